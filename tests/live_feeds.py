@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from matchset.live.feed import Feed, Panel, Seen
+from matchset.live.feed import Feed, Panel, StreamPicture
 from matchset.live.session import Session
 from matchset.live.wire.state import State, TargetState
 from matchset.localization.pose import Pose
@@ -17,7 +17,7 @@ SIZE = 160, 120
 CAMERA = ms.CameraModel.from_fov(*SIZE, 1.0)
 
 
-def seen_of(number: int, found: bool = True, fps: float = 30.0, targets: int = 1) -> Seen:
+def seen_of(number: int, found: bool = True, fps: float = 30.0, targets: int = 1) -> StreamPicture:
     """A picture with a number in its gray level, and targets at places that follow from it."""
     image = np.full((SIZE[1], SIZE[0], 3), 40 + 4 * number % 200, np.uint8)
     time = 100.0 + number / fps
@@ -40,14 +40,14 @@ def seen_of(number: int, found: bool = True, fps: float = 30.0, targets: int = 1
             time=time,
         )
     state = State(number + 1, number, time, *SIZE, states, camera_fps=fps, live=True)
-    return Seen(ms.Frame(image, time, number), state, poses, CAMERA)
+    return StreamPicture(ms.Frame(image, time, number), state, poses, CAMERA)
 
 
 class MadeUpStream:
     """A stream whose newest picture is set."""
 
     def __init__(self) -> None:
-        self.seen = Seen(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened"))
+        self.seen = StreamPicture(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened"))
 
 
 class MadeUpFeed(Feed):
@@ -60,7 +60,7 @@ class MadeUpFeed(Feed):
         self.streams, self.panels = self.made, panels
         self.tell: Callable[[int], object] = lambda _: None
 
-    def show(self, seen: Seen, stream: int = 0) -> None:
+    def show(self, seen: StreamPicture, stream: int = 0) -> None:
         """Show a picture, as the thread of a loop does."""
         self.made[stream].seen = seen
         self.tell(stream)
@@ -76,11 +76,11 @@ def shown(feed: MadeUpFeed, session: Session) -> MadeUpFeed:
     return feed
 
 
-def with_image(seen: Seen, image: np.ndarray) -> Seen:
+def with_image(seen: StreamPicture, image: np.ndarray) -> StreamPicture:
     """The same with another picture."""
     return seen._replace(frame=ms.Frame(image, seen.state.time, seen.state.index))
 
 
-def numbered(seen: Seen, sequence: int) -> Seen:
+def numbered(seen: StreamPicture, sequence: int) -> StreamPicture:
     """The same with another number."""
     return seen._replace(state=msgspec.structs.replace(seen.state, sequence=sequence))

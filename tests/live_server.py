@@ -14,7 +14,7 @@ from matchset.live.web.listening import listen
 from matchset.live.web.security import Guard
 from matchset.live.web.session_report import SessionReport
 from matchset.live.web.stopping import StoppableServer
-from matchset.live.web.viewer import Desk, Viewers
+from matchset.live.web.viewer import ViewerContext, Viewers
 from matchset.live.wire.pictures import PictureEncoder
 
 
@@ -38,10 +38,10 @@ class Served(NamedTuple):
     guard: Guard
 
 
-def made_desk(streams: int = 1) -> tuple[Desk, Viewers, MadeUpFeed]:
+def made_desk(streams: int = 1) -> tuple[ViewerContext, Viewers, MadeUpFeed]:
     """A session that shows a made-up feed, and who is told of it."""
     session, viewers, feed = Session(), Viewers(), MadeUpFeed(streams)
-    desk = Desk(session, PictureEncoder(), READER, SessionReport(session))
+    desk = ViewerContext(session, PictureEncoder(), READER, SessionReport(session))
 
     def tell(number: int) -> None:
         seen = desk.session.hear(number)

@@ -26,7 +26,7 @@ from matchset.live.web.application import make_application
 from matchset.live.web.listening import listen
 from matchset.live.web.security import Guard
 from matchset.live.web.session_report import SessionReport
-from matchset.live.web.viewer import Desk, Viewers
+from matchset.live.web.viewer import ViewerContext, Viewers
 from matchset.live.wire.pictures import PictureEncoder
 
 WIDTH, HEIGHT, RATE = 640, 480, 30.0
@@ -99,7 +99,7 @@ def main() -> None:
     """Serve until the input ends."""
     listener, port = listen("127.0.0.1", 0)
     session, viewers = Session(), Viewers()
-    desk = Desk(session, PictureEncoder(), READER, SessionReport(session))
+    desk = ViewerContext(session, PictureEncoder(), READER, SessionReport(session))
 
     def news(number: int) -> None:
         seen = desk.session.hear(number)

@@ -12,7 +12,7 @@ import msgspec
 from msgspec import inspect as kinds
 
 from matchset.live.known_messages import READER
-from matchset.live.wire.messages import Ack, Up
+from matchset.live.wire.messages import Ack, PageMessage
 from matchset.live.wire.state import SessionState, State, TargetState
 
 PAGE = Path(__file__).resolve().parents[1] / "live.md"
@@ -45,7 +45,7 @@ def _messages() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _fields(message: type[Up]) -> str:
+def _fields(message: type[PageMessage]) -> str:
     said = []
     for field in msgspec.structs.fields(message):
         default = "" if field.required else f" = {msgspec.json.encode(field.default).decode()}"
@@ -68,7 +68,7 @@ def _kind(kind: Any) -> str:
     return words.get(type(kind).__name__, "null")
 
 
-def _words(message: type[Up]) -> str:
+def _words(message: type[PageMessage]) -> str:
     return " ".join((message.__doc__ or "").partition("\n\n")[0].split()).replace("None", "null")
 
 

@@ -6,7 +6,7 @@
 
 from pathlib import Path
 
-from matchset.links.mavlink.message import Field
+from matchset.links.mavlink.message import MessageField
 from matchset.links.mavlink.messages import MESSAGES
 
 PAGE = Path(__file__).resolve().parents[1] / "mavlink.md"
@@ -23,7 +23,7 @@ def filled(page: str) -> str:
     return head + BEGIN + "\n" + "\n".join(lines) + "\n\n" + rest[rest.index(END) :]
 
 
-def _field(field: Field) -> str:
+def _field(field: MessageField) -> str:
     said = ", ".join(word for word in (field.unit, field.what) if word)
     return f"`{field.name}` {field.kind}" + (f" ({said})" if said else "")
 

@@ -10,7 +10,7 @@ from matchset.links.arduino.messages import (
     CONFIG,
     STATUS,
     Config,
-    Report,
+    StatusReport,
     bind_frame,
     decode_config,
     read_config_frame,
@@ -21,10 +21,10 @@ from matchset.links.crsf_frame import CrsfParser, crc8
 ZERO = Command()
 
 
-def report(board: Board) -> Report:
+def report(board: Board) -> StatusReport:
     board.read()
     board.run(0.15)
-    return [Report.decode(payload) for kind, payload in CrsfParser().feed(board.read()) if kind == STATUS][-1]
+    return [StatusReport.decode(payload) for kind, payload in CrsfParser().feed(board.read()) if kind == STATUS][-1]
 
 
 def ask(board: Board, question: bytes) -> tuple[str, Config]:

@@ -13,7 +13,7 @@ from flight import BOUND
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.arduino.arduino_link import ArduinoLink
-from matchset.links.arduino.messages import Config, Report
+from matchset.links.arduino.messages import Config, StatusReport
 from matchset.links.arduino.protocol import ArduinoParameters
 
 LOCK_STEP_SECONDS = float(os.environ.get("MATCHSET_CABLE_SECONDS", "5"))  # 60: make bench-radio
@@ -38,7 +38,7 @@ class DirectPort:
         pass
 
 
-def facts(report: Report) -> dict[str, object]:
+def facts(report: StatusReport) -> dict[str, object]:
     """What must not depend on who plays the firmware."""
     names = ("version", "state", "may_arm", "default_config", "good", "bad", "echo", "heard")
     return {name: getattr(report, name) for name in names}

@@ -8,17 +8,17 @@ from vectors import VECTORS
 from flight import frame
 from matchset.control.command import Command
 from matchset.links import crsf_frame as crsf
-from matchset.links.arduino.messages import STATUS, Config, Report
+from matchset.links.arduino.messages import STATUS, Config, StatusReport
 
 BIND_PACKETS = 345
 BOUND = 360  # slots after power on
 IDLE, FLYING = Command(), Command(throttle=0.1)
 
 
-def play(session: Session, slots: int) -> tuple[Nrf24, list[Report]]:
+def play(session: Session, slots: int) -> tuple[Nrf24, list[StatusReport]]:
     """The radio at the end, and every status on the way."""
     radio, said = on_host(session, slot(slots, 1500))
-    return radio, [Report.decode(payload) for kind, payload in crsf.CrsfParser().feed(said) if kind == STATUS]
+    return radio, [StatusReport.decode(payload) for kind, payload in crsf.CrsfParser().feed(said) if kind == STATUS]
 
 
 def test_binding_at_power_on_ends_by_itself_after_its_packets() -> None:

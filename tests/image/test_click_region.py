@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import matchset as ms
 from matchset.image.click_region import disc_mask, regions_at_click
 from matchset.image.color_learning import ColorParameters, RegionParameters
-from matchset.image.disc_network.at_click import BallAtClickParameters
+from matchset.image.disc_network.click_discs import BallAtClickParameters
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from matchset.image.disc_network.at_click import BallAtClickParameters, discs_at
+from matchset.image.disc_network.click_discs import BallAtClickParameters, discs_at
 from matchset.image.disc_network.look import MOVES
 from matchset.image.disc_network.network import DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RADII, RAYS

@@ -9,7 +9,7 @@ from benchmarks.clicks.scenes import draw
 
 import matchset as ms
 from matchset.image.clicks.reading import Reading, readings_of
-from matchset.image.disc_network.at_click import BallAtClickParameters, Weighed
+from matchset.image.disc_network.click_discs import BallAtClickParameters, WeighedDisc
 
 LIMITS = BallAtClickParameters()
 
@@ -56,7 +56,7 @@ def test_of_another_shape_what_grew_in_color_is_meant() -> None:
 
 def test_readings_are_named_by_where_they_are() -> None:
     circles = [(50.0, 50.0, 20.0), (52.0, 50.0, 6.0), (60.0, 50.0, 45.0), (72.0, 50.0, 19.0)]
-    discs = [Weighed(circle, 20.0 - k) for k, circle in enumerate(circles)]
+    discs = [WeighedDisc(circle, 20.0 - k) for k, circle in enumerate(circles)]
     found = readings_of(discs, [0.0] * 4, (50.0, 50.0, 90.0), LIMITS)
     assert [each.name for each in found] == ["ball", "spot on it", "ball around it", "another ball", "region"]
     assert math.isclose(sum(each.probability for each in found), 1.0, abs_tol=1e-6)

@@ -18,7 +18,7 @@ from matchset.live.sources.found_sources import Source, address_source, find_sou
 from matchset.live.sources.messages import ShowAddress
 from matchset.live.sources.opening import check_source
 from matchset.live.sources.panel import SourcesPanel
-from matchset.live.sources.stage import Stage
+from matchset.live.sources.source_selection import SourceSelection
 from matchset.live.sources.thumbnails import ThumbnailParameters, Thumbnails
 from matchset.live.sources.uploads import UploadParameters, Uploads
 from matchset.live.web.application import make_application
@@ -49,7 +49,7 @@ class Menu:
             self.opened.append(source)
             return Nothing()
 
-        self.stage = Stage(folder, make, lambda _: None)
+        self.stage = SourceSelection(folder, make, lambda _: None)
         self.uploads = Uploads(UploadParameters(most_mb=1.0, spare_mb=0.0), temporary)
         self.panel = SourcesPanel(self.stage, None, self.uploads)
         desk, viewers, _ = made_desk()

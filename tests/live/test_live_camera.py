@@ -19,13 +19,13 @@ from matchset.live.camera.board_calibration import BoardCalibration
 from matchset.live.camera.camera_files import CameraFileParameters, find_camera_files, read_camera_file
 from matchset.live.camera.camera_panel import CameraPanel, describe
 from matchset.live.camera.messages import BallAt, CalibrateBoard, EndBoard, LookForCameraFiles, UseCamera
-from matchset.live.feed import Feed, Seen
+from matchset.live.feed import Feed, StreamPicture
 from matchset.live.known_messages import READER
 from matchset.live.session import Session
 from matchset.live.web.application import UPLOAD, make_application
 from matchset.live.web.security import Guard
 from matchset.live.web.session_report import SessionReport
-from matchset.live.web.viewer import Desk, Viewers
+from matchset.live.web.viewer import ViewerContext, Viewers
 from matchset.live.wire.pictures import PictureEncoder
 from matchset.live.wire.state import State, TargetState
 
@@ -46,7 +46,7 @@ class Source:
     """A source whose pictures the test sets."""
 
     def __init__(self) -> None:
-        self.seen, self.number = Seen(None, State(0, 0, 0.0, 0, 0)), 0
+        self.seen, self.number = StreamPicture(None, State(0, 0, 0.0, 0, 0)), 0
         self.used: list[ms.CameraModel | None] = []
 
     def use(self, camera: ms.CameraModel | None) -> None:
@@ -57,7 +57,7 @@ class Source:
         self.number += 1
         height, width = image.shape[:2]
         state = State(self.number, self.number, self.number / 30.0, width, height, list(targets))
-        self.seen = Seen(ms.Frame(image, self.number / 30.0, self.number), state, camera=self.seen.camera)
+        self.seen = StreamPicture(ms.Frame(image, self.number / 30.0, self.number), state, camera=self.seen.camera)
 
 
 @pytest.fixture(autouse=True)
@@ -279,7 +279,7 @@ def client(panel: tuple[CameraPanel, Source, list[str]]) -> AsgiClient:
     session = Session()
     session.show(One())
     application = make_application(
-        Desk(session, PictureEncoder(), READER, SessionReport(session)), Viewers(), Guard([], 80, token=False)
+        ViewerContext(session, PictureEncoder(), READER, SessionReport(session)), Viewers(), Guard([], 80, token=False)
     )
     return AsgiClient(application)
 

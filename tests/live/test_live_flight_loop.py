@@ -14,7 +14,7 @@ from matchset.links.simulation_parameters import FPS, SimulationParameters
 from matchset.live.known_messages import READER
 from matchset.live.piloting.fleet import Fleet, FleetStep
 from matchset.live.piloting.flight_feed import FlightFeed, simulated_flight
-from matchset.live.piloting.messages import Again, Alive, Arm, Kill, Land
+from matchset.live.piloting.messages import Alive, Arm, BackToStart, Kill, Land
 from matchset.live.piloting.simulated_fleet import SimulatedFleet
 from matchset.live.session import Session
 from matchset.live.sources.messages import Show
@@ -163,7 +163,7 @@ def test_silence_holds_then_descends_and_nobody_flies_again_by_itself(flown: Flo
     assert flown.feed.loop.state().reason == "page 1 was silent for 1 s"
     with pytest.raises(ValueError, match="put everybody back first"):
         flown.session.take(Arm(), "page 1")
-    flown.session.take(Again(), "page 2")
+    flown.session.take(BackToStart(), "page 2")
     flown.wait(lambda: flown.duty == "idle" and flown.feed.loop.state().ready)
     assert flown.phase == "locked"
     assert len(flown.fleets) == 2
@@ -186,7 +186,7 @@ def test_one_page_commands_and_others_may_only_stop(flown: Flown) -> None:
     flown.fly()
     state = flown.feed.loop.state()
     assert (state.page, flown.feed.busy) == ("page 1", "page 1 commands a flight: land first")
-    for message in (Arm(), Land(), Again(), Show("source-1")):
+    for message in (Arm(), Land(), BackToStart(), Show("source-1")):
         with pytest.raises(ValueError, match="page 1 commands"):
             flown.session.take(message, "page 2")
     flown.wait(lambda: flown.duty == "holding", "page 2")
@@ -205,7 +205,7 @@ def test_who_cannot_be_heard_cannot_arm(flown: Flown) -> None:
     with pytest.raises(ValueError, match="nobody flies"):
         flown.session.take(Land(), "page 1")
     with pytest.raises(ValueError, match="everybody is at the start"):
-        flown.session.take(Again(), "page 1")
+        flown.session.take(BackToStart(), "page 1")
     flown.session.take(READER.read('{"type": "kill"}'), "")
     assert flown.feed.loop.state().reason == "a program stopped the motors"
 
@@ -234,7 +234,7 @@ def test_a_link_that_breaks_ends_the_flight_and_says_why() -> None:
         state = flown.feed.loop.state()
         assert (state.duty, state.fault, state.ready) == ("stopped", "the cable was pulled", False)
         assert flown.feed.streams[0].seen.state.fault == "the cable was pulled"
-        flown.session.take(Again(), "page 1")
+        flown.session.take(BackToStart(), "page 1")
         flown.wait(lambda: flown.duty == "idle" and flown.feed.loop.state().ready)
 
 

@@ -25,7 +25,7 @@ from matchset.live.feed import Panel
 from matchset.live.targets.messages import Drop, Pick
 from matchset.live.web.programs import Program, ProgramParameters
 from matchset.live.web.viewer import ViewersParameters
-from matchset.live.wire.messages import LONGEST, Up
+from matchset.live.wire.messages import LONGEST, PageMessage
 
 AHEAD = 50  # states that a program which keeps up has not read yet
 BAD_STREAMS = ["abc", "-1", "1.5", "", "99999", "٣", "1 ", "9" * 5000]
@@ -38,7 +38,7 @@ class Asked(Panel):
     messages = (Drop, Pick)
 
     def __init__(self) -> None:
-        self.asked = list[Up]()
+        self.asked = list[PageMessage]()
 
     def take(self, message: Any, page: str) -> None:  # noqa: ARG002
         if message == Drop(13):

@@ -15,7 +15,7 @@ from matchset.live.sources.found_sources import MenuParameters, Source, find_sou
 from matchset.live.sources.messages import LookAgain, Show
 from matchset.live.sources.opening import Opening, open_feed
 from matchset.live.sources.panel import SourcesPanel
-from matchset.live.sources.stage import Stage
+from matchset.live.sources.source_selection import SourceSelection
 from matchset.media.video import Video
 
 SHORT = DemoParameters(width=160, height=120, frames=5)
@@ -117,7 +117,7 @@ class Shown:
 
     def __init__(self, folder: Path, make: Any = None) -> None:
         self.feeds: list[Any] = []
-        self.stage = Stage(folder, make or (lambda _: Nothing()), self.feeds.append)
+        self.stage = SourceSelection(folder, make or (lambda _: Nothing()), self.feeds.append)
         self.panel = SourcesPanel(self.stage, Source("given", "ball.mp4", "ball.mp4"))
         self.stage.look()
 
@@ -254,7 +254,7 @@ def test_a_flight_is_not_left_for_another_source(tmp_path: Path) -> None:
         flying.append("it took off meanwhile")
         return Opened()
 
-    stage = Stage(tmp_path, make, lambda _: None, lambda: flying[-1] if flying else "")
+    stage = SourceSelection(tmp_path, make, lambda _: None, lambda: flying[-1] if flying else "")
     source = Source("demo", "sim://demo", "demo")
     with stage:
         with pytest.raises(ValueError, match="land first"):

@@ -6,7 +6,7 @@ import pytest
 
 from cameras import Camera
 from fake_camera_live import SettableCamera
-from matchset.media.camera_stream import Live
+from matchset.media.camera_stream import LiveSource
 from matchset.media.streams.camera_settings import Control, apply, read_controls
 from matchset.media.streams.silence import Silence
 
@@ -44,7 +44,7 @@ def camera(monkeypatch: pytest.MonkeyPatch) -> Camera:
 
 
 def test_settings_are_changed_by_the_thread_that_reads(camera: Camera) -> None:
-    live = Live(0, "camera 0", Silence(2.0), {})
+    live = LiveSource(0, "camera 0", Silence(2.0), {})
     assert live.settings == {}
     assert live.controls["exposure"] == Control(100.0, True)
     live.adjust("exposure", 50.0)

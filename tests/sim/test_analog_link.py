@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from matchset.sim.analog_link import BAD, CLEAN, PRESETS, TYPICAL, AnalogLink, degrade, noise_gain, pole
-from matchset.sim.line_filter import LineReceiver, Noise, send
+from matchset.sim.line_filter import LineNoise, LineReceiver, send
 
 PIXEL_TIME = 81e-9
 
@@ -192,7 +192,7 @@ def slow_noise(first: int, shape: tuple[int, ...]) -> npt.NDArray[np.float32]:
 
 
 def slow_send(
-    picture: npt.NDArray[np.float32], gain: npt.NDArray[np.float64], shift: npt.NDArray[np.float64], noise: Noise
+    picture: npt.NDArray[np.float32], gain: npt.NDArray[np.float64], shift: npt.NDArray[np.float64], noise: LineNoise
 ) -> npt.NDArray[np.float32]:
     """Y, Cb and Cr, (h, 3, w), of a picture with shifted lines, and noise."""
     height, width = picture.shape[:2]
@@ -231,7 +231,7 @@ def test_lines_are_sent_as_the_slow_way_sends_them(size: tuple[int, int], neighb
     rng = np.random.default_rng(neighbor)
     words = rng.integers(0, 2**32, size, dtype=np.uint32)
     gain, shift = np.array((1.1, 0.9, 1.7)), rng.normal(0.0, 20.0, size[0])
-    noise = Noise(6.0, 9.0, np.uint32(2**32 - 50))
+    noise = LineNoise(6.0, 9.0, np.uint32(2**32 - 50))
     receiver = LineReceiver(0.4, 0.2, neighbor, np.zeros(size[0], np.bool_))
     out = np.empty((*size, 3), np.uint8)
     send(words, gain, shift, noise, receiver, out)

@@ -15,7 +15,7 @@ from matchset.fitting.soft_region import SoftRegion
 from matchset.fitting.validation import ValidationParameters
 from matchset.image.circle_score import Sample
 from matchset.image.color_learning import ColorParameters
-from matchset.image.disc_network.at_click import BallAtClickParameters
+from matchset.image.disc_network.click_discs import BallAtClickParameters
 from matchset.image.disc_network.network import Disc, DiscNetwork
 from matchset.image.disc_network.polar_patch import colors_of
 from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters

@@ -28,7 +28,7 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
-from matchset.image.disc_network.at_click import Weighed, discs_at
+from matchset.image.disc_network.click_discs import WeighedDisc, discs_at
 
 Circle3 = tuple[float, float, float]
 
@@ -316,7 +316,7 @@ def _same_area(points: Points) -> Circle3:
     return x, y, math.sqrt(len(points) / math.pi)
 
 
-def _shares_with(region: Mask, discs: Sequence[Weighed]) -> list[float]:
+def _shares_with(region: Mask, discs: Sequence[WeighedDisc]) -> list[float]:
     """Share of the pixels of a region and a disc together that are in both, for each disc."""
     masks = [disc_mask(region.shape, disc.circle, 1.0) for disc in discs]
     return [float((mask & region).sum()) / float((mask | region).sum()) for mask in masks]

@@ -19,7 +19,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.disc_network.at_click import BallAtClickParameters
+from matchset.image.disc_network.click_discs import BallAtClickParameters
 
 Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float32]

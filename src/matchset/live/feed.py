@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.live.wire.messages import Up
+from matchset.live.wire.messages import PageMessage
 from matchset.live.wire.state import State
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
@@ -21,7 +21,7 @@ News = Callable[[int], None]
 """Told the number of a stream that has a new picture, from any thread; never waits."""
 
 
-class Seen(NamedTuple):
+class StreamPicture(NamedTuple):
     """A picture with what is known of it.
 
     Attributes
@@ -47,13 +47,13 @@ class Stream(Protocol):
     """Pictures of one camera."""
 
     @property
-    def seen(self) -> Seen:
+    def seen(self) -> StreamPicture:
         """The newest picture."""
         ...
 
 
 @runtime_checkable
-class Masked(Protocol):
+class MaskedStream(Protocol):
     """A stream that can show what it takes for a target."""
 
     def mask(self, target: int, sequence: int) -> npt.NDArray[np.uint8]:
@@ -70,7 +70,7 @@ class Masked(Protocol):
 
 
 @runtime_checkable
-class Charted(Protocol):
+class ChartedStream(Protocol):
     """A stream that knows the course of a target over all of its pictures."""
 
     def course(self, target: int) -> msgspec.Struct:
@@ -95,7 +95,7 @@ class Receiver(Protocol):
 
 
 @runtime_checkable
-class Pictured(Protocol):
+class ThumbnailPanel(Protocol):
     """A panel that has small pictures of what it offers."""
 
     def thumbnail(self, key: str) -> bytes:
@@ -117,7 +117,7 @@ class Panel:
     """
 
     name: str
-    messages: tuple[type[Up], ...] = ()
+    messages: tuple[type[PageMessage], ...] = ()
     uploads: tuple[str, ...] = ()
 
     def take(self, message: Any, page: str) -> None:
@@ -125,7 +125,7 @@ class Panel:
 
         Parameters
         ----------
-        message : Up
+        message : PageMessage
             One of `messages`.
         page : str
             Which page asks; empty for a program.
@@ -201,14 +201,14 @@ class Panel:
 class Listener(Protocol):
     """Is told of each picture that a session shows, such as a recording. No method waits."""
 
-    def hear(self, stream: int, seen: Seen) -> None:
+    def hear(self, stream: int, seen: StreamPicture) -> None:
         """Take a new picture of a stream, in the thread of its loop: each one, in their order.
 
         Parameters
         ----------
         stream : int
-        seen : Seen
-            The frame is not changed any more. A `Seen` with the frame of the one before is no new picture.
+        seen : StreamPicture
+            The frame is not changed any more. A `StreamPicture` with the frame of the one before is no new picture.
         """
         ...
 

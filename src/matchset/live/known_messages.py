@@ -7,6 +7,8 @@ from matchset.live.piloting.messages import MESSAGES as OF_PILOTING
 from matchset.live.record.messages import MESSAGES as OF_RECORD
 from matchset.live.sources.messages import MESSAGES as OF_SOURCES
 from matchset.live.targets.messages import MESSAGES as OF_TARGETS
-from matchset.live.wire.messages import Ack, Reader
+from matchset.live.wire.messages import Ack, PageMessageReader
 
-READER = Reader((Ack, *OF_CAMERA, *OF_FILES, *OF_PILOTING, *OF_RECORD, *OF_SETTINGS, *OF_SOURCES, *OF_TARGETS))
+READER = PageMessageReader(
+    (Ack, *OF_CAMERA, *OF_FILES, *OF_PILOTING, *OF_RECORD, *OF_SETTINGS, *OF_SOURCES, *OF_TARGETS)
+)

@@ -4,9 +4,9 @@ import threading
 from collections import deque
 from collections.abc import Callable
 
-from matchset.live.wire.messages import Kernels, Up
+from matchset.live.wire.messages import Kernels, PageMessage
 
-Late = tuple[Up, str]
+Late = tuple[PageMessage, str]
 
 
 class LateWishes:
@@ -25,7 +25,7 @@ class LateWishes:
         self._lock = threading.Lock()
         self._kept: deque[Late] = deque()
 
-    def keep(self, message: Up, page: str) -> tuple[str, Late | None]:
+    def keep(self, message: PageMessage, page: str) -> tuple[str, Late | None]:
         """Keep a message, if the code that it needs is not there yet.
 
         Returns

@@ -20,14 +20,14 @@ from matchset.live.session import Session
 from matchset.live.sources.found_sources import Source, given_source
 from matchset.live.sources.opening import Opening, check_source, open_feed
 from matchset.live.sources.panel import SourcesPanel
-from matchset.live.sources.stage import Stage
+from matchset.live.sources.source_selection import SourceSelection
 from matchset.live.sources.uploads import Uploads
 from matchset.live.web.application import make_application
 from matchset.live.web.listening import listen, own_address, qr_code
 from matchset.live.web.security import Guard
 from matchset.live.web.session_report import SessionReport
 from matchset.live.web.stopping import StoppableServer
-from matchset.live.web.viewer import Desk, Viewers
+from matchset.live.web.viewer import ViewerContext, Viewers
 from matchset.live.wire.pictures import PictureEncoder
 from matchset.media.upright.orientation import check_turn
 
@@ -56,11 +56,11 @@ def serve(options: LiveOptions) -> int:
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
     compiling.ready = session.go_on
     view = ViewOptions(mounted=options.mounted, stream=options.stream)
-    desk, viewers = Desk(session, PictureEncoder(), READER, SessionReport(session)), Viewers()
+    desk, viewers = ViewerContext(session, PictureEncoder(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:
         stop = opened.enter_context(StopRequest())
         uploads = opened.enter_context(Uploads())
-        for each in (compiling, listener, recorder, session, make_stage(given, view, uploads, desk, viewers)):
+        for each in (compiling, listener, recorder, session, make_selection(given, view, uploads, desk, viewers)):
             opened.enter_context(each)
         if point is not None:
             opened.enter_context(FirstPick(session, point, compiling.refusal))
@@ -89,7 +89,9 @@ def point_of(text: str) -> tuple[float, float]:
     return x, y
 
 
-def make_stage(given: Source | None, view: ViewOptions, uploads: Uploads, desk: Desk, viewers: Viewers) -> Stage:
+def make_selection(
+    given: Source | None, view: ViewOptions, uploads: Uploads, desk: ViewerContext, viewers: Viewers
+) -> SourceSelection:
     """Offer what can be shown, and show what the command line names."""
     session = desk.session
 
@@ -105,7 +107,7 @@ def make_stage(given: Source | None, view: ViewOptions, uploads: Uploads, desk: 
     def make(source: Source) -> Feed:
         return open_feed(source, Opening(news, session.note, stage.stopped.is_set, view))
 
-    stage = Stage(Path(), make, show, lambda: session.busy)
+    stage = SourceSelection(Path(), make, show, lambda: session.busy)
     session.add(SourcesPanel(stage, given, uploads))
     stage.look()
     if given is not None:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.live.feed import Feed, Listener, Panel, Pictured, Receiver, Seen, Stream
+from matchset.live.feed import Feed, Listener, Panel, Receiver, Stream, StreamPicture, ThumbnailPanel
 from matchset.live.late_wishes import LateWishes
 from matchset.live.targets.clicks import CROWDED
-from matchset.live.wire.messages import Kernels, Up
+from matchset.live.wire.messages import Kernels, PageMessage
 from matchset.live.wire.state import SessionState
 from matchset.media.closing import Closing
 
@@ -72,7 +72,7 @@ class Session(Closing):
         if before is not None:
             before.close()
 
-    def hear(self, number: int) -> Seen | None:
+    def hear(self, number: int) -> StreamPicture | None:
         """Tell the listeners of the newest picture of a stream; called in the thread of its loop, by its `News`.
 
         Returns
@@ -113,7 +113,7 @@ class Session(Closing):
             count += self._notes.pop()[1]
         self._notes.append((words, count))
 
-    def take(self, message: Up, page: str) -> None:
+    def take(self, message: PageMessage, page: str) -> None:
         """Do what a page asks for, or keep it until the code that it needs has been compiled: see `go_on`.
 
         Raises
@@ -141,7 +141,7 @@ class Session(Closing):
             except ValueError as error:
                 self.note(str(error))
 
-    def _taker(self, message: Up) -> Panel:
+    def _taker(self, message: PageMessage) -> Panel:
         """Return the panel that takes a message; ValueError if there is none."""
         panel = next((panel for panel in self.panels if isinstance(message, panel.messages)), None)
         if panel is None:
@@ -176,7 +176,7 @@ class Session(Closing):
     def thumbnail(self, key: str) -> bytes:
         """Return a small picture of what a panel offers, a JPEG; ValueError if there is none."""
         for panel in self.panels:
-            if isinstance(panel, Pictured):
+            if isinstance(panel, ThumbnailPanel):
                 return panel.thumbnail(key)
         raise ValueError("nothing here has pictures to choose from")
 

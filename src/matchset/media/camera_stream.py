@@ -70,7 +70,7 @@ def _hint(device: int | str) -> str:
     return f": there are {', '.join(found)}; another program may hold it, or this user may not (group video)"
 
 
-class Live:
+class LiveSource:
     """A live source, read by a thread of its own; the newest frame wins, the others are counted as dropped.
 
     The time of a frame is the moment of its capture on the clock of `time.monotonic`: V4L2's own stamp (when

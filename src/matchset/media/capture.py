@@ -36,7 +36,7 @@ class Capture(Protocol):
         ...
 
 
-class Hush:
+class SilentOpencv:
     """Context in which OpenCV logs nothing, unless the user's environment asks it to.
 
     The level belongs to the whole process, so nested and concurrent uses are counted: the last one out puts
@@ -76,7 +76,7 @@ class Hush:
                 os.environ.pop(FFMPEG_LEVEL, None)
 
 
-hushed = Hush()
+hushed = SilentOpencv()
 
 
 def opencv_name(name: str) -> str:

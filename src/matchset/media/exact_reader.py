@@ -65,7 +65,7 @@ class InterruptedReadingError(Exception):
     """Something else is wanted more than the frame that was being looked for."""
 
 
-class Way(Protocol):
+class ForwardReading(Protocol):
     """A way through a file, forward only.
 
     Attributes
@@ -194,7 +194,7 @@ class ExactReader(Closing):
         self, open_source: Callable[[], StampedVideo], frames: FrameList, parameters: ReaderParameters = DEFAULT
     ) -> None:
         self._open, self._frames, self._parameters = open_source, frames, parameters
-        self._way: Way | None = None
+        self._way: ForwardReading | None = None
         self._capture: Capture | None = None
         self.jumped = self.failed = 0
         self.interrupted: Callable[[], bool] = lambda: False
@@ -247,7 +247,7 @@ class ExactReader(Closing):
             self._capture.release()
         self._way = self._capture = None
 
-    def _ways(self, place: int) -> Iterator[Way]:
+    def _ways(self, place: int) -> Iterator[ForwardReading]:
         """Yield ways to a frame: on from here, by a jump, from the beginning."""
         way = self._way
         jumps = self.failed < max(self._parameters.failures, self.jumped)

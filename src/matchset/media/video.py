@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from matchset.image.frame import Frame
 from matchset.media.bags.bag import Bag, is_bag
-from matchset.media.camera_stream import Live
+from matchset.media.camera_stream import LiveSource
 from matchset.media.streams.camera_settings import Settings, differences
 from matchset.media.streams.silence import Silence
 from matchset.media.upright.orientation import AS_STORED
@@ -160,8 +160,8 @@ class Video(NotCopied):
         self._source = _open(source, self._name, silence, asked, topic, wish)
         self.topic = self._source.topic if isinstance(self._source, Bag) else None
         self.settings: Settings
-        self.reconnect = self._source.reconnect if isinstance(self._source, Live) else 0.0
-        if isinstance(self._source, Live):
+        self.reconnect = self._source.reconnect if isinstance(self._source, LiveSource) else 0.0
+        if isinstance(self._source, LiveSource):
             self.settings = self._source.settings
         else:  # reported, not refused: what ran live can be replayed from a file as it stands
             self.settings = {name: (value, None) for name, value in asked.items() if name != "fps"}
@@ -191,12 +191,12 @@ class Video(NotCopied):
     @property
     def lost(self) -> str:
         """Why there are no pictures while a live source is being opened again, in words; empty otherwise."""
-        return self._source.lost if isinstance(self._source, Live) else ""
+        return self._source.lost if isinstance(self._source, LiveSource) else ""
 
     @property
     def stamped(self) -> bool:
         """Whether the last frame of a live source has its driver's time of capture; otherwise that of its arrival."""
-        return not isinstance(self._source, Live) or self._source.stamped
+        return not isinstance(self._source, LiveSource) or self._source.stamped
 
     @property
     def warnings(self) -> list[str]:
@@ -238,7 +238,7 @@ class Video(NotCopied):
             As iterating does.
         """
         while not stopped():
-            if self._closed or not isinstance(self._source, Live):
+            if self._closed or not isinstance(self._source, LiveSource):
                 frame = next(self, None)
             elif (frame := self._source.read(stopped)) is not None:
                 frame = self._checked(frame)
@@ -268,7 +268,7 @@ class Video(NotCopied):
         """
         if self._closed:
             raise ValueError(f"{self._name} is closed")
-        if not isinstance(self._source, Live):
+        if not isinstance(self._source, LiveSource):
             raise ValueError(f"{self._name} is not live: its frames come one after the other, by next()")
         frame = self._source.newest(wait)
         return None if frame is None else self._checked(frame)
@@ -353,7 +353,7 @@ def _is_number(text: str) -> bool:
 
 def _open(
     source: int | str | Path, name: str, silence: Silence, asked: dict[str, float], topic: str | None, wish: Wish
-) -> Live | ImageFolder | VideoFile | Bag:
+) -> LiveSource | ImageFolder | VideoFile | Bag:
     """Choose the kind of source."""
     text = str(source)
     path = None if isinstance(source, int) or _is_stream(source) else Path(source)
@@ -366,7 +366,7 @@ def _open(
         raise ValueError(f"a camera number must not be negative, got {source}")
     if path is None or path.is_char_device():
         _check_no_stream(wish, name)
-        return Live(int(text) if _is_number(text) else text, name, silence, asked, wish.damaged is True)
+        return LiveSource(int(text) if _is_number(text) else text, name, silence, asked, wish.damaged is True)
     if path.is_dir() or (path.is_file() and is_picture(path)):
         _check_no_stream(wish, name)
         return ImageFolder(path, asked.get("fps"))
@@ -379,12 +379,12 @@ def _check_no_stream(wish: Wish, name: str) -> None:
         raise ValueError(f"a stream is one of those of a video file, not of {name}: got {wish.stream}")
 
 
-def _view_of(source: Live | ImageFolder | VideoFile | Bag, wish: Wish) -> tuple[View, float]:
+def _view_of(source: LiveSource | ImageFolder | VideoFile | Bag, wish: Wish) -> tuple[View, float]:
     """Return what is still to be done to the pictures of a source, and the width of their pixels, in heights."""
     if isinstance(source, VideoFile):  # puts them into its view itself
         return View(), source.view.pixel_aspect
     height, width = source.shape[:2]
-    ratio = source.pixel_ratio if isinstance(source, Live) else (0.0, 0.0)
+    ratio = source.pixel_ratio if isinstance(source, LiveSource) else (0.0, 0.0)
     view = view_of(ratio, AS_STORED, (width, height), wish)
     return view, view.pixel_aspect
 

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.line_filter import AnyPicture, LineReceiver, Noise, Words, expose, send
+from matchset.sim.line_filter import AnyPicture, LineNoise, LineReceiver, Words, expose, send
 from matchset.sim.rendering.renderer import Picture
 
 PIXEL_TIME = 81e-9  # format: s, of the 640 px that span the 52 us of an active PAL line (ITU-R BT.470)
@@ -124,7 +124,7 @@ def degrade(
         raise ValueError("sensor_noise of an analog link is a part of luma_noise and chroma_noise: leave it 0")
     luma, chroma = pole(link.luma_bandwidth, width), pole(link.chroma_bandwidth, width)
     lines = math.sqrt(0.375) if link.chroma_lines else 1.0
-    noise = Noise(link.luma_noise / noise_gain(luma), link.chroma_noise / (noise_gain(chroma) * lines), counter)
+    noise = LineNoise(link.luma_noise / noise_gain(luma), link.chroma_noise / (noise_gain(chroma) * lines), counter)
     neighbor = 0 if not link.chroma_lines else 2 if link.interlaced else 1
     send(_sent(picture, link.blur), np.array(gain), shift, noise, LineReceiver(luma, chroma, neighbor, lost), out)
     return out

@@ -25,7 +25,7 @@ _PAIR = np.uint32(0x00FF00FF)  # format: two of four bytes
 _DEVIATION = 1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0)
 
 
-class Noise(NamedTuple):
+class LineNoise(NamedTuple):
     """White noise that is added before the filters.
 
     Parameters
@@ -105,7 +105,7 @@ def send(
     picture: AnyPicture | Words,
     gain: Array,
     shift: Array,
-    noise: Noise,
+    noise: LineNoise,
     receiver: LineReceiver,
     out: npt.NDArray[np.uint8],
 ) -> None:
@@ -119,7 +119,7 @@ def send(
         Of B, G, R.
     shift : (h,)
         How far each line is shifted to the right, px.
-    noise : Noise
+    noise : LineNoise
     receiver : LineReceiver
     out : (h, w, 3), written
     """
@@ -151,7 +151,7 @@ def send(
 
 
 @kernel
-def _transmit(line: Picture, gain: Array, part: np.float32, noise: Noise, y: int, sent: Picture) -> None:
+def _transmit(line: Picture, gain: Array, part: np.float32, noise: LineNoise, y: int, sent: Picture) -> None:
     """Write Y, Cb, Cr (without offset) of gain * line, moved by a part of a pixel, plus white noise."""
     luma, blue, red = sent[0], sent[1], sent[2]
     _to_ycc(line, gain, part, luma, blue, red)

@@ -81,7 +81,7 @@ class DetectionParameters(msgspec.Struct, frozen=True):
     hint_bonus: float = 2.0
 
 
-class Start(NamedTuple):
+class FitStart(NamedTuple):
     """Where the fit of a candidate begins: center, half-width, px, state, and the least half-width that counts."""
 
     x: float
@@ -134,7 +134,7 @@ class Detector(Generic[S]):
         first : Shape, optional
             Where one may be, looked at first.
         """
-        known: list[Start] = []
+        known: list[FitStart] = []
         given = [] if first is None else [[_start_at(self.fitter.family, first.state)]]
         for starts in itertools.chain(given, self._starts(image, color), self._blobs(image, color, known, prior)):
             asked = Prior.HERE if prior is Prior.CLICKED and starts not in given else prior
@@ -155,7 +155,7 @@ class Detector(Generic[S]):
             yield best, merit
 
     def _best(
-        self, image: Image, color: ColorModel, starts: list[Start], known: tuple[list[Start], Prior]
+        self, image: Image, color: ColorModel, starts: list[FitStart], known: tuple[list[FitStart], Prior]
     ) -> tuple[Estimate | None, float]:
         """Best validated fit of a candidate, which may begin at several states, and its merit."""
         found, prior = known
@@ -175,7 +175,7 @@ class Detector(Generic[S]):
                 best, most = valid, merit
         return best, most
 
-    def _starts(self, image: Image, color: ColorModel) -> Iterator[list[Start]]:
+    def _starts(self, image: Image, color: ColorModel) -> Iterator[list[FitStart]]:
         """Where fits may begin: one or several for each candidate."""
         family = self.fitter.family
         for sought in color.search_models(image, self._brightness):
@@ -185,9 +185,9 @@ class Detector(Generic[S]):
                     yield [_start_at(family, state) for state in states]
                 continue
             for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
-                yield [Start(x, y, radius, family.from_coarse(x, y, radius).state)]
+                yield [FitStart(x, y, radius, family.from_coarse(x, y, radius).state)]
 
-    def _blobs(self, image: Image, color: ColorModel, known: list[Start], prior: Prior) -> Iterator[list[Start]]:
+    def _blobs(self, image: Image, color: ColorModel, known: list[FitStart], prior: Prior) -> Iterator[list[FitStart]]:
         """Where fits may begin in a picture that is asked for, if nothing has an outline in the coarse grid."""
         family, least = self.fitter.family, self.limits.blob_size * self.searcher.radius / self.limits.smaller
         if known or prior is not Prior.ASKED or not self.fitter.weighs(color) or finds_itself(family):
@@ -201,7 +201,7 @@ class Detector(Generic[S]):
         clear = fit.half_width >= least and fit.visible >= whole and fit.msac_score >= self.limits.blob_msac
         return estimate.is_fitted and bool(not least or clear)
 
-    def _is_known(self, place: Start, known: list[Start]) -> bool:
+    def _is_known(self, place: FitStart, known: list[FitStart]) -> bool:
         """Whether this is one of the shapes detected already."""
         limits, size = self.limits, place.half_width
         return any(
@@ -211,7 +211,7 @@ class Detector(Generic[S]):
         )
 
     def _validated(
-        self, image: Image, color: ColorModel, estimate: Estimate, start: Start, prior: Prior
+        self, image: Image, color: ColorModel, estimate: Estimate, start: FitStart, prior: Prior
     ) -> Estimate | None:
         """Validate a fit and others of the same candidate: the likeliest, or the first where no evidence is weighed.
 
@@ -226,7 +226,7 @@ class Detector(Generic[S]):
         return None
 
     def _likeliest(
-        self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None, prior: Prior
+        self, image: Image, color: ColorModel, estimate: Estimate, start: FitStart | None, prior: Prior
     ) -> Estimate | None:
         """Fit with most evidence, of those that are validated; once one is sure, no other is tried.
 
@@ -251,14 +251,14 @@ class Detector(Generic[S]):
         fitter.block[:] = made
         return best
 
-    def near_fits(self, image: Image, color: ColorModel, start: Start) -> Iterator[Estimate]:
+    def near_fits(self, image: Image, color: ColorModel, start: FitStart) -> Iterator[Estimate]:
         """Yield the fit that stays near where a candidate begins, and those where the target's color ends there.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        start : Start
+        start : FitStart
         """
         fitter, limits = self.fitter, self.limits
         reach = max(limits.color_range, limits.color_share * start.half_width)
@@ -272,7 +272,9 @@ class Detector(Generic[S]):
             near = fitter.fit(image, color, state, narrow)
             yield near
 
-    def _others(self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None) -> Iterator[Estimate]:
+    def _others(
+        self, image: Image, color: ColorModel, estimate: Estimate, start: FitStart | None
+    ) -> Iterator[Estimate]:
         """Yield the fit of a candidate, and others of it; from where it begins only if something speaks for it.
 
         One lets the two fields of an interlaced picture disagree, as they do where the shape moves; one begins with
@@ -292,12 +294,12 @@ class Detector(Generic[S]):
             fitter.assume_noise(moved.fit)  # what was found in vain is not remembered
 
 
-def _start_at(family: type[Any], state: Floats) -> Start:
-    return Start(float(state[0]), float(state[1]), float(family.half_width(state)), state)
+def _start_at(family: type[Any], state: Floats) -> FitStart:
+    return FitStart(float(state[0]), float(state[1]), float(family.half_width(state)), state)
 
 
-def _place_of(estimate: Estimate) -> Start:
-    return Start(float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width, estimate.state)
+def _place_of(estimate: Estimate) -> FitStart:
+    return FitStart(float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width, estimate.state)
 
 
 def track_of(

@@ -9,8 +9,8 @@ from matchset.image.brightness import BrightnessParameters
 from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.image.light.relighting import RelightingParameters
 from matchset.tracking.ball.disc_search import DiscSearchParameters
+from matchset.tracking.ball.distractors import OthersParameters
 from matchset.tracking.ball.judge import NetworkParameters
-from matchset.tracking.ball.others import OthersParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters

@@ -20,7 +20,7 @@ from matchset.app.locate.rows import read_poses
 from matchset.image.errors import LinkError
 from matchset.links.mavlink.axes import CameraAxes
 from matchset.links.mavlink.client import MavlinkParameters
-from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, Writer
+from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, PacketWriter
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -113,7 +113,7 @@ def test_the_vehicle_s_attitude_goes_with_a_target() -> None:
 
 def test_a_ground_station_of_our_number_does_not_matter() -> None:
     pilot = Listener()
-    pilot._out += Writer(255, 190).write("HEARTBEAT", {"type": 6, "autopilot": 8})
+    pilot._out += PacketWriter(255, 190).write("HEARTBEAT", {"type": 6, "autopilot": 8})
     PosePublisher(URI, None, pilot, pilot.clock, pilot.clock.sleep)
 
 
@@ -162,7 +162,7 @@ def test_what_a_uri_cannot_say_is_refused(question: str, words: str) -> None:
 def autopilot() -> Iterator[tuple[int, list[MavlinkPacket]]]:
     """An autopilot at a UDP port, which says that it is there and keeps what it hears."""
     done, packets, parser = threading.Event(), [], MavlinkParser()
-    heart = Writer(1, 1)
+    heart = PacketWriter(1, 1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
         there.bind(("127.0.0.1", 0))
         there.settimeout(0.2)

@@ -16,7 +16,7 @@ from matchset.app.drawing.text import text_width, wrapped
 from matchset.app.films.video_writer import quick_ending
 from matchset.app.pictures.animation import Animation
 from matchset.app.pictures.film import FilmParameters, RunFilm
-from matchset.app.pictures.part import Moment, VideoPart
+from matchset.app.pictures.part import FrameOrTime, VideoPart
 from matchset.app.pictures.summary import Summary
 from matchset.app.track.loop import TrackedFrame
 from matchset.app.track.rows import TrackRow, read_tracks, track_row
@@ -118,7 +118,7 @@ def test_a_wrong_part_is_one_line_and_leaves_nothing(
 
 def test_seconds_count_from_the_first_frame() -> None:
     frames = [Frame(np.zeros((4, 4), np.uint8), 1000.0 + 0.1 * index, index) for index in range(10)]
-    part = VideoPart(Moment(seconds=0.2), Moment(seconds=0.5))
+    part = VideoPart(FrameOrTime(seconds=0.2), FrameOrTime(seconds=0.5))
     assert [frame.index for frame in part.of(frames)] == [2, 3, 4]
 
 

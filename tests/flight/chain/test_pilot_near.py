@@ -15,7 +15,7 @@ from matchset.flight.real_time.rehearsal import RehearsalLink
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BALLOON
-from matchset.localization.markers.ball_colors import Colors, pick_marker
+from matchset.localization.markers.ball_colors import BallColors, pick_marker
 
 MODEL, TARGET = CameraModel.from_fov(320, 240, math.radians(60.0)), BALLOON
 BLUE, PURPLE, GRAY = (200, 60, 20), (160, 30, 160), (120, 125, 130)
@@ -54,7 +54,7 @@ def flown(distances: list[float]) -> list[PilotStep]:
     """Fly before a ball at these distances, one a picture."""
     first, (x, y) = painted(FAR, 0), (MODEL.width / 2, MODEL.height / 2)
     aside = 0.6 * MODEL.fx * TARGET.radius / FAR
-    colors = Colors(ColorModel.pick(first, x - aside, y), pick_marker(first, x, y))
+    colors = BallColors(ColorModel.pick(first, x - aside, y), pick_marker(first, x, y))
     place = RelativeSetpoint(height=0.0, heading=FAR)
     deaf = FollowerParameters(motion_consistency=MotionConsistencyParameters(max_evidence=100.0))  # no picture answers
     pilot = Pilot(Approach(distances), RehearsalLink(), colors, PilotParameters(place=place, follower=deaf))

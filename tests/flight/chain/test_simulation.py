@@ -14,8 +14,8 @@ from chain_flight import with_crash
 from matchset.flight.chain.flight import Flight
 from matchset.flight.chain.flight_parameters import FlightParameters
 from matchset.flight.chain.score import FlightScore, FlightScorer, settling_time
-from matchset.flight.simulate.table import Flown, Limits, markdown_table, rows_of, sweep_verdict
-from matchset.flight.simulate.variation import Axis, Case, parse_sweep
+from matchset.flight.simulate.table import Flown, RowLimits, markdown_table, rows_of, sweep_verdict
+from matchset.flight.simulate.variation import Axis, FlightCase, parse_sweep
 from matchset.links.simulation_parameters import SimulationParameters
 
 GOOD = FlightScore(
@@ -36,7 +36,7 @@ GOOD = FlightScore(
 
 
 def of(latency: float, score: FlightScore = GOOD) -> Flown:
-    return Flown(Case("latency_ms", {"latency_ms": latency}, score.seed), score)
+    return Flown(FlightCase("latency_ms", {"latency_ms": latency}, score.seed), score)
 
 
 def test_who_comes_near_and_leaves_again_has_not_settled() -> None:
@@ -159,7 +159,7 @@ def test_a_flight_is_scored_by_its_steps(flown: Steps) -> None:
 def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: str) -> None:
     bad = msgspec.structs.replace(GOOD, **change)
     rows = rows_of([of(67.0), of(67.0), of(133.0), of(133.0, bad)])
-    holds, sentence = sweep_verdict(rows, FlightParameters(), Limits())
+    holds, sentence = sweep_verdict(rows, FlightParameters(), RowLimits())
     assert not holds
     assert "with latency_ms 133" in sentence
     assert words in sentence
@@ -167,13 +167,13 @@ def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: st
 
 def test_the_verdict_is_good_when_all_limits_hold() -> None:
     rows = rows_of([of(67.0), of(133.0)])
-    holds, sentence = sweep_verdict(rows, FlightParameters(), Limits())
+    holds, sentence = sweep_verdict(rows, FlightParameters(), RowLimits())
     assert holds
     assert "\n" not in sentence
     assert "2 flights of 60 s" in sentence
     table = markdown_table(rows)
     assert "| latency_ms | 133 | 1 of 1 | 100.0 % |" in table
-    assert not sweep_verdict([], FlightParameters(), Limits())[0]
+    assert not sweep_verdict([], FlightParameters(), RowLimits())[0]
 
 
 def test_a_sweep_is_a_name_and_numbers() -> None:

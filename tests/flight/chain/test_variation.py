@@ -10,8 +10,17 @@ from blue_ball import Matchset
 from matchset.flight.chain.flight_parameters import FlightParameters
 from matchset.flight.chain.score import FlightScore
 from matchset.flight.simulate.picture import survival_figure
-from matchset.flight.simulate.table import Flown, Limits, cells, csv_header, csv_line, rows_of, sweep_verdict
-from matchset.flight.simulate.variation import Axis, Case, changed, names_table, parse_sweep, parse_vary, plan, variable
+from matchset.flight.simulate.table import Flown, RowLimits, cells, csv_header, csv_line, rows_of, sweep_verdict
+from matchset.flight.simulate.variation import (
+    Axis,
+    FlightCase,
+    changed,
+    names_table,
+    parse_sweep,
+    parse_vary,
+    plan,
+    variable,
+)
 from matchset.sim.vehicle import VehicleParameters
 from plot_layout import faults
 
@@ -117,15 +126,15 @@ def test_rows_say_where_in_the_range_it_flies_and_limits_count_once() -> None:
     assert rows[0].survived < len(rows[0].scores)
     assert rows[2].survived == len(rows[2].scores)
     assert cells(rows[0])[:2] == ["thrust", "0.8 to 0.933"]
-    holds, words = sweep_verdict(rows, FlightParameters(), Limits(survival=0.5, in_view=0.0, spread=math.inf))
+    holds, words = sweep_verdict(rows, FlightParameters(), RowLimits(survival=0.5, in_view=0.0, spread=math.inf))
     assert holds
     assert words.startswith("Limits hold: of 30 flights")
-    assert not sweep_verdict(rows, FlightParameters(), Limits(survival=0.99, in_view=0.0, spread=math.inf))[0]
+    assert not sweep_verdict(rows, FlightParameters(), RowLimits(survival=0.99, in_view=0.0, spread=math.inf))[0]
 
 
 def test_a_line_of_csv_has_every_constant() -> None:
     axes = parse_vary("thrust=0.8..1.2,radio_delay_ms=20..40,mass=1")
-    header, case = csv_header(axes).split(","), Case("thrust", {"thrust": 0.8}, 5)
+    header, case = csv_header(axes).split(","), FlightCase("thrust", {"thrust": 0.8}, 5)
     row = dict(zip(header, next(csv.reader([csv_line(axes, Flown(case, score(5)))])), strict=True))
     assert (row["thrust"], row["radio_delay_ms"], row["mass"], row["varied"]) == ("0.8", "", "1", "thrust")
     assert (row["side_rms"], row["height_rms"], row["heading_rms"]) == ("0.0400", "0.0200", "0.0300")

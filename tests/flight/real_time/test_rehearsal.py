@@ -21,7 +21,7 @@ from matchset.image.frame import Frame
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.simulated import SimulatedChain
 from matchset.links.simulation_parameters import SimulationParameters
-from matchset.localization.markers.ball_colors import Colors, learn_colors
+from matchset.localization.markers.ball_colors import BallColors, learn_colors
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost, Track
 
@@ -30,7 +30,7 @@ class Filmed(msgspec.Struct):
     """What a camera saw, and what was learned from it."""
 
     camera: RecordedCamera
-    colors: Colors
+    colors: BallColors
     frames: list[Frame]
 
 
@@ -93,7 +93,7 @@ def test_it_rehearses_what_a_flight_may_bring_and_forgets_it(filmed: Filmed, reh
 
 def test_gray_pictures_are_rehearsed_in_gray(filmed: Filmed, rehearsed: list[PilotStep]) -> None:
     gray = ColorModel(np.linspace(-4.0, 4.0, 256, dtype=np.float32))
-    Pilot(filmed.camera, transmitter()[0], Colors(gray, gray))
+    Pilot(filmed.camera, transmitter()[0], BallColors(gray, gray))
     assert {each.frame.image.shape for each in rehearsed if each.frame is not None} == {(480, 640)}
 
 

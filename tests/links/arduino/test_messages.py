@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from matchset.image.errors import LinkError
 from matchset.links.arduino import messages as transmitter
-from matchset.links.arduino.messages import AXES, Config, Report
+from matchset.links.arduino.messages import AXES, Config, StatusReport
 
 CONFIGS = st.builds(
     Config,
@@ -43,7 +43,7 @@ def test_a_value_out_of_range_is_refused(field: str, value: object, words: str) 
 
 
 def test_a_status_is_taken_apart() -> None:
-    report = Report.decode(STATUS)
+    report = StatusReport.decode(STATUS)
     assert (report.version, report.state) == ("1.2", "armed")
     assert report.warnings == ("the radio chip does not answer: look at its wires and its supply",)
     assert (report.default_config, report.storing, report.may_arm) == (True, False, True)
@@ -58,7 +58,7 @@ def test_a_status_is_taken_apart() -> None:
 )
 def test_another_protocol_is_a_link_error(payload: bytes) -> None:
     with pytest.raises(LinkError, match="firmware"):
-        Report.decode(payload)
+        StatusReport.decode(payload)
 
 
 @pytest.mark.parametrize("payload", [b"", b"\x09" + Config().encode(), b"\0" + bytes(14), b"\0\1"])
@@ -69,6 +69,6 @@ def test_another_layout_is_a_link_error(payload: bytes) -> None:
 
 @given(st.binary(max_size=40) | st.binary(min_size=13, max_size=13).map(lambda data: b"\0\1" + data))
 def test_no_payload_upsets_the_decoders(payload: bytes) -> None:
-    for decode in (Report.decode, transmitter.decode_config):
+    for decode in (StatusReport.decode, transmitter.decode_config):
         with contextlib.suppress(LinkError):
             decode(payload)

@@ -10,7 +10,7 @@ from typing import Any
 
 from fakes import Clock
 
-from matchset.links.mavlink.packet import MavlinkParser, Writer
+from matchset.links.mavlink.packet import MavlinkParser, PacketWriter
 
 ARM, SET_MODE, FORCE = 400, 176, 21196
 STABILIZE, LOITER, RTL = 0, 5, 6
@@ -58,7 +58,7 @@ class FakeAutopilot:
     heard: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._writer, self._parser, self._out = Writer(self.system, 1), MavlinkParser(), bytearray()
+        self._writer, self._parser, self._out = PacketWriter(self.system, 1), MavlinkParser(), bytearray()
         self._beat_at = self._attitude_at = -10.0
         self.attitudes = False
 

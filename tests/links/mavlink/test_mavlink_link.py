@@ -10,7 +10,7 @@ from fakes import Clock
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.mavlink.mavlink_link import MavlinkLink
-from matchset.links.mavlink.packet import Writer
+from matchset.links.mavlink.packet import PacketWriter
 
 URI = "mavlink:udpin:0.0.0.0:14550"
 FLIGHT = Command(roll=0.1, pitch=-0.2, yaw=0.3, throttle=0.57)
@@ -284,7 +284,7 @@ def test_a_vehicle_in_another_mode_gets_no_sticks_when_it_is_disarmed() -> None:
 def test_another_part_of_the_vehicle_does_not_speak_for_it() -> None:
     link, pilot = armed()
     heart = {"type": pilot.kind, "autopilot": pilot.autopilot, "base_mode": 1, "custom_mode": RTL, "mavlink_version": 3}
-    pilot._out += Writer(pilot.system, 7).write("HEARTBEAT", heart)
+    pilot._out += PacketWriter(pilot.system, 7).write("HEARTBEAT", heart)
     assert link.send(FLIGHT).throttle == 0.57
     assert link.status().state == "armed"
 
@@ -445,7 +445,7 @@ def test_commands_meant_for_another_station_are_not_taken_for_ours() -> None:
 
 
 def station(pilot: FakeAutopilot, system: int) -> None:
-    pilot._out += Writer(system, 190).write("HEARTBEAT", {"type": 6, "autopilot": 8, "mavlink_version": 3})
+    pilot._out += PacketWriter(system, 190).write("HEARTBEAT", {"type": 6, "autopilot": 8, "mavlink_version": 3})
 
 
 def test_another_ground_station_is_said_and_one_of_our_number_is_refused() -> None:
@@ -507,7 +507,7 @@ def test_the_old_version_is_said() -> None:
 
 def test_signed_messages_are_said() -> None:
     signing = Chatter()
-    plain = Writer(1, 1).write("HEARTBEAT", {"type": 2, "autopilot": 3})
+    plain = PacketWriter(1, 1).write("HEARTBEAT", {"type": 2, "autopilot": 3})
     from matchset.links.mavlink.checksum import accumulate
 
     body = plain[1:2] + b"\x01" + plain[3:-2]

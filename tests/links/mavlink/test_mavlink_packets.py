@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from matchset.links.mavlink.checksum import accumulate
-from matchset.links.mavlink.message import SIZES, Field, MavlinkMessage
+from matchset.links.mavlink.message import SIZES, MavlinkMessage, MessageField
 from matchset.links.mavlink.messages import BY_NAME, MESSAGES
-from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, Writer
+from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, PacketWriter
 
 FILE = Path(__file__).with_name("pymavlink_vectors.jsonl")
 VECTORS = [json.loads(line) for line in FILE.read_text(encoding="utf-8").splitlines()]
@@ -63,13 +63,13 @@ def test_packets_of_pymavlink_are_read_and_written_alike(vector: dict[str, Any])
     (packet,) = MavlinkParser().feed(theirs)
     assert (packet.system, packet.component, packet.message.name) == (7, 9, vector["name"])
     assert as_lists(packet.values) == vector["values"]
-    writer = Writer(7, 9)
+    writer = PacketWriter(7, 9)
     for _ in range(theirs[4]):
         writer.write("HEARTBEAT", {})
     assert writer.write(vector["name"], vector["values"]) == theirs
 
 
-def element(field: Field) -> st.SearchStrategy[Any]:
+def element(field: MessageField) -> st.SearchStrategy[Any]:
     size, letter = SIZES[field.base]
     if letter == "f":
         return st.floats(width=32, allow_nan=True)
@@ -77,7 +77,7 @@ def element(field: Field) -> st.SearchStrategy[Any]:
     return st.integers(low, high)
 
 
-def value(field: Field) -> st.SearchStrategy[Any]:
+def value(field: MessageField) -> st.SearchStrategy[Any]:
     if field.is_text:
         letters = st.characters(min_codepoint=1, max_codepoint=0x24F)
         return st.text(letters, max_size=field.count).filter(lambda text: len(text.encode()) <= field.count)
@@ -91,7 +91,7 @@ def value(field: Field) -> st.SearchStrategy[Any]:
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda each: each.name)
 def test_values_come_back(message: MavlinkMessage, data: st.DataObject) -> None:
     values = data.draw(st.fixed_dictionaries({field.name: value(field) for field in message.fields}))
-    (packet,) = MavlinkParser().feed(Writer(1, 2).write(message.name, values))
+    (packet,) = MavlinkParser().feed(PacketWriter(1, 2).write(message.name, values))
     assert packet[:3] == (1, 2, message)
     for name, was in values.items():
         assert repr(packet.values[name]) == repr(was)  # NaN is no NaN's equal
@@ -111,17 +111,17 @@ def test_values_come_back(message: MavlinkMessage, data: st.DataObject) -> None:
 )
 def test_what_does_not_fit_is_refused(name: str, values: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        Writer(1, 1).write(name, values)
+        PacketWriter(1, 1).write(name, values)
 
 
 @pytest.mark.parametrize(("system", "component"), [(0, 1), (256, 1), (1, 0), (1, 256)])
 def test_a_sender_has_a_number(system: int, component: int) -> None:
     with pytest.raises(ValueError, match=r"within 1 ... 255"):
-        Writer(system, component)
+        PacketWriter(system, component)
 
 
 def some_packets(count: int) -> list[bytes]:
-    writer, chance = Writer(1, 1), random.Random(3)
+    writer, chance = PacketWriter(1, 1), random.Random(3)
     return [writer.write(chance.choice(MESSAGES).name, {}) for _ in range(count)]
 
 
@@ -139,13 +139,13 @@ def test_packets_are_found_however_they_are_cut(count: int, step: int) -> None:
 def test_no_bytes_upset_the_parser_and_it_finds_what_follows(noise: bytes) -> None:
     parser = MavlinkParser()
     parser.feed(noise)
-    found = parser.feed(bytes(300) + Writer(1, 1).write("HEARTBEAT", HEART) + bytes(300))
+    found = parser.feed(bytes(300) + PacketWriter(1, 1).write("HEARTBEAT", HEART) + bytes(300))
     assert any(packet.values == {**dict.fromkeys(packet.values, 0), **HEART} for packet in found)
 
 
 @given(st.data())
 def test_damaged_packets_are_never_read_as_others(data: st.DataObject) -> None:
-    good = bytearray(Writer(1, 1).write("ATTITUDE", {"roll": 0.5, "yawspeed": -1.0}))
+    good = bytearray(PacketWriter(1, 1).write("ATTITUDE", {"roll": 0.5, "yawspeed": -1.0}))
     for _ in range(data.draw(st.integers(1, 3))):
         good[data.draw(st.integers(0, len(good) - 1))] ^= 1 << data.draw(st.integers(0, 7))
     found = MavlinkParser().feed(bytes(good))
@@ -153,7 +153,7 @@ def test_damaged_packets_are_never_read_as_others(data: st.DataObject) -> None:
 
 
 def test_every_single_bit_error_is_noticed() -> None:
-    good = Writer(1, 1).write("MANUAL_CONTROL", {"target": 1, "x": 300, "y": -20, "z": 570, "r": 5})
+    good = PacketWriter(1, 1).write("MANUAL_CONTROL", {"target": 1, "x": 300, "y": -20, "z": 570, "r": 5})
     for bit in range(8 * len(good)):
         broken = bytearray(good)
         broken[bit // 8] ^= 1 << bit % 8
@@ -173,7 +173,7 @@ def test_lost_packets_are_counted_and_late_ones_are_not() -> None:
 def test_senders_are_counted_apart() -> None:
     parser = MavlinkParser()
     for system in (1, 2):
-        writer = Writer(system, 1)
+        writer = PacketWriter(system, 1)
         writer.write("HEARTBEAT", {})
         for _ in range(3):
             parser.feed(writer.write("HEARTBEAT", {}))
@@ -186,7 +186,7 @@ def unknown(number: int, payload: bytes = b"\xfd\x01\x02") -> bytes:
 
 
 def test_messages_that_are_not_in_the_table_are_skipped_and_counted() -> None:
-    writer, parser = Writer(1, 1), MavlinkParser()
+    writer, parser = PacketWriter(1, 1), MavlinkParser()
     packets = [writer.write("HEARTBEAT", HEART) for _ in range(4)]
     found = parser.feed(packets[0] + unknown(1) + packets[2] + packets[3])
     assert len(found) == 3
@@ -195,12 +195,12 @@ def test_messages_that_are_not_in_the_table_are_skipped_and_counted() -> None:
 
 def test_an_unknown_message_amid_noise_hides_nothing() -> None:
     noise = unknown(0)[:10]  # promises three bytes, and a heartbeat follows
-    heart = Writer(1, 1).write("HEARTBEAT", HEART)
+    heart = PacketWriter(1, 1).write("HEARTBEAT", HEART)
     assert len(MavlinkParser().feed(noise + heart + heart)) == 2
 
 
 def test_a_signed_packet_is_read_and_marked() -> None:
-    plain = Writer(1, 1).write("HEARTBEAT", HEART)
+    plain = PacketWriter(1, 1).write("HEARTBEAT", HEART)
     body = plain[1:2] + b"\x01" + plain[3:-2]
     crc = accumulate(bytes([BY_NAME["HEARTBEAT"].crc_extra]), accumulate(body))
     signed = b"\xfd" + body + crc.to_bytes(2, "little") + bytes(13)
@@ -209,7 +209,7 @@ def test_a_signed_packet_is_read_and_marked() -> None:
 
 
 def test_a_flag_that_nobody_knows_makes_it_another_format() -> None:
-    plain = bytearray(Writer(1, 1).write("HEARTBEAT", HEART))
+    plain = bytearray(PacketWriter(1, 1).write("HEARTBEAT", HEART))
     plain[2] = 0x02
     assert MavlinkParser().feed(bytes(plain)) == []
 
@@ -234,7 +234,7 @@ def test_fields_of_a_later_version_are_ignored() -> None:
 
 
 def test_numbers_go_on_from_zero_after_255() -> None:
-    writer = Writer(1, 1)
+    writer = PacketWriter(1, 1)
     numbers = [writer.write("HEARTBEAT", {})[4] for _ in range(300)]
     assert numbers == [k % 256 for k in range(300)]
 

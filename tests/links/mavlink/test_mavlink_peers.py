@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from matchset.links.mavlink.message import SIZES, Field
+from matchset.links.mavlink.message import SIZES, MessageField
 from matchset.links.mavlink.messages import MESSAGES
-from matchset.links.mavlink.packet import MavlinkParser, Writer
+from matchset.links.mavlink.packet import MavlinkParser, PacketWriter
 
 ROOT = Path(__file__).resolve().parents[3]
 PEERS = ROOT / ".mavlink"
@@ -27,7 +27,7 @@ def pymavlink(action: str, lines: list[str]) -> list[str]:
     return done.stdout.splitlines()
 
 
-def drawn(chance: random.Random, field: Field) -> Any:
+def drawn(chance: random.Random, field: MessageField) -> Any:
     size, letter = SIZES[field.base]
 
     def one() -> Any:
@@ -53,7 +53,7 @@ def messages() -> list[dict[str, Any]]:
 
 
 def test_pymavlink_reads_what_is_sent() -> None:
-    writer, sent = Writer(255, 190), messages()
+    writer, sent = PacketWriter(255, 190), messages()
     answers = [json.loads(line) for line in pymavlink("parse", [writer.write(**each).hex() for each in sent])]
     assert [{"name": each["name"], "values": each["values"]} for each in answers] == sent
     assert [each["sender"] for each in answers] == [[255, 190, k % 256] for k in range(len(sent))]

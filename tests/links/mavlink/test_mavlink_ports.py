@@ -14,10 +14,10 @@ from matchset.links.connect import connect
 from matchset.links.mavlink.address import Address, parse_address
 from matchset.links.mavlink.checksum import accumulate
 from matchset.links.mavlink.mavlink_link import MavlinkLink
-from matchset.links.mavlink.packet import Writer
+from matchset.links.mavlink.packet import PacketWriter
 from matchset.links.mavlink.ports import UdpPort, open_port
 
-HEART = Writer(1, 1).write("HEARTBEAT", {"type": 2, "autopilot": 3, "mavlink_version": 3})
+HEART = PacketWriter(1, 1).write("HEARTBEAT", {"type": 2, "autopilot": 3, "mavlink_version": 3})
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from matchset.links.mavlink.axes import CameraAxes
 from matchset.links.mavlink.client import MavlinkParameters
 from matchset.links.mavlink.estimates import landing_target, odometry_of_ball
 from matchset.links.mavlink.mavlink_link import MavlinkLink
-from matchset.links.mavlink.packet import MavlinkParser, Writer
+from matchset.links.mavlink.packet import MavlinkParser, PacketWriter
 from matchset.links.mavlink.ports import UdpPort
 from matchset.localization.pose import Pose
 
@@ -45,7 +45,7 @@ class NamedPort(UdpPort):
         if len(found) != 1 or found[0].message.name != "HEARTBEAT":
             return data
         packet = found[0]
-        writer = Writer(packet.system, packet.component)
+        writer = PacketWriter(packet.system, packet.component)
         for _ in range(data[4]):  # its sequence number
             writer.write("HEARTBEAT", {})
         return writer.write("HEARTBEAT", packet.values | QUADROTOR_OF_PX4)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from matchset.media.upright.depth import Depth, to_bytes, used_bits
+from matchset.media.upright.depth import DepthScaling, to_bytes, used_bits
 
 
 @pytest.mark.parametrize(
@@ -24,7 +24,7 @@ def test_the_whole_range_is_used(bits: int) -> None:
 
 
 def test_all_pictures_are_scaled_as_the_first_one() -> None:
-    depth = Depth()
+    depth = DepthScaling()
     first = depth.to_bytes(np.array([[4095, 2048]], np.uint16))
     assert first.tolist() == [[255, 128]]
     assert depth.to_bytes(np.array([[1000, 2048]], np.uint16)).tolist() == [[62, 128]]
@@ -36,12 +36,12 @@ def test_all_pictures_are_scaled_as_the_first_one() -> None:
 
 
 def test_pictures_of_eight_bits_stay() -> None:
-    depth, plain = Depth(), np.array([[1, 255]], np.uint8)
+    depth, plain = DepthScaling(), np.array([[1, 255]], np.uint8)
     assert depth.to_bytes(plain) is plain
     assert depth.notes == []
 
 
 def test_pictures_of_sixteen_bits_need_no_note() -> None:
-    depth = Depth()
+    depth = DepthScaling()
     depth.to_bytes(np.array([[65535]], np.uint16))
     assert depth.notes == []

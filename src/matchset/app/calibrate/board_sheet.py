@@ -19,7 +19,7 @@ UNPRINTABLE = "\\()"
 Rectangle = tuple[float, float, float, float]
 
 
-class Words(msgspec.Struct, frozen=True):
+class SheetText(msgspec.Struct, frozen=True):
     """A line of text: where it begins, mm from the upper left, and whether it runs down the sheet."""
 
     text: str
@@ -39,13 +39,13 @@ class Sheet(msgspec.Struct, frozen=True):
         Width and height of the paper, mm.
     black : tuple of rectangles
         x and y of the upper left corner, width and height, mm.
-    words : tuple of Words
+    words : tuple of SheetText
     """
 
     board: Board
     size: tuple[float, float]
     black: tuple[Rectangle, ...]
-    words: tuple[Words, ...]
+    words: tuple[SheetText, ...]
 
 
 class _Layout(msgspec.Struct, frozen=True):
@@ -133,7 +133,7 @@ def _markers(board: Board, left: float, top: float) -> list[Rectangle]:
     return found
 
 
-def _strip(board: Board, layout: _Layout) -> tuple[list[Rectangle], list[Words]]:
+def _strip(board: Board, layout: _Layout) -> tuple[list[Rectangle], list[SheetText]]:
     """Draw name and ruler along the right or the lower edge of the sheet."""
     along = layout.height if layout.right else layout.width
     begin = (along - RULER) / 2.0
@@ -146,9 +146,13 @@ def _strip(board: Board, layout: _Layout) -> tuple[list[Rectangle], list[Words]]
     texts = [(name, begin, 3.6), ("0", begin - 1.0, 12.2), ("100 mm", begin + RULER - 4.0, 12.2)]
     if not layout.right:
         at = layout.height - EDGE - STRIP + 1.0
-        return [(u, v + at, a, b) for u, v, a, b in bars], [Words(text, u, v + at, down=False) for text, u, v in texts]
+        return [(u, v + at, a, b) for u, v, a, b in bars], [
+            SheetText(text, u, v + at, down=False) for text, u, v in texts
+        ]
     at = layout.width - EDGE - 2.0  # a strip that runs down: its right is the strip's up
-    return [(at - v - b, u, b, a) for u, v, a, b in bars], [Words(text, at - v, u, down=True) for text, u, v in texts]
+    return [(at - v - b, u, b, a) for u, v, a, b in bars], [
+        SheetText(text, at - v, u, down=True) for text, u, v in texts
+    ]
 
 
 def _ticks() -> Sequence[int]:

@@ -69,14 +69,14 @@ class BallChoiceParameters(msgspec.Struct, frozen=True):
 PARAMETERS = BallChoiceParameters()
 
 
-class Choice(msgspec.Struct, frozen=True):
+class BallChoice(msgspec.Struct, frozen=True):
     """A frame and the ball-like circles in it, the likeliest to be the ball first, each with the pixel to click at."""
 
     frame: Frame
     candidates: list[Candidate]
 
 
-def choose(video: Video, given: Frame | None = None) -> Choice:
+def choose(video: Video, given: Frame | None = None) -> BallChoice:
     """Choose a frame, and order its ball-like circles.
 
     Parameters
@@ -110,14 +110,14 @@ def choose(video: Video, given: Frame | None = None) -> Choice:
         raise ValueError("the video holds no frames but black ones")
     likeliest = _likeliest(sampled, None if given is None else given.index)
     if likeliest is None:
-        return Choice(whole[sampled[0][0].index] if given is None else given, [])
+        return BallChoice(whole[sampled[0][0].index] if given is None else given, [])
     frame, best = likeliest
     return _in_full(_choice(frame, next(found for each, found in sampled if each is frame), best), whole[frame.index])
 
 
-def _in_full(choice: Choice, frame: Frame) -> Choice:
+def _in_full(choice: BallChoice, frame: Frame) -> BallChoice:
     """Return a choice made in a reduced copy in the pixels of the frame."""
-    return Choice(frame, [rescaled(each, choice.frame, frame) for each in choice.candidates])
+    return BallChoice(frame, [rescaled(each, choice.frame, frame) for each in choice.candidates])
 
 
 def _samples(video: Video, whole: dict[int, Frame]) -> list[tuple[Frame, list[Candidate]]]:
@@ -195,7 +195,7 @@ def _found_again(frame: Frame, candidate: Candidate, frames: Sequence[Frame]) ->
     return share if moved > PARAMETERS.at_rest else PARAMETERS.resting * share
 
 
-def _choice(frame: Frame, found: list[Candidate], best: Candidate | None) -> Choice:
+def _choice(frame: Frame, found: list[Candidate], best: Candidate | None) -> BallChoice:
     """Order the circles of a frame: the one that was chosen, then those that are clearest."""
     ranked: list[tuple[float, Candidate]] = []
     for each in found:
@@ -205,4 +205,4 @@ def _choice(frame: Frame, found: list[Candidate], best: Candidate | None) -> Cho
         separation = separate(frame.image, each)
         ranked.append((each.score * separation.clearness, msgspec.structs.replace(each, pick=separation.pick)))
     ranked.sort(key=lambda pair: -pair[0])
-    return Choice(frame, [each for _, each in ranked])
+    return BallChoice(frame, [each for _, each in ranked])

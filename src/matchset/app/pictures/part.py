@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # both options are checked before anything heavy is loaded
 _MOMENT = re.compile(r"\s*(?:(\d{1,9})|(\d+(?:\.\d+)?)\s*s)\s*")
 
 
-class Moment(msgspec.Struct, frozen=True):
+class FrameOrTime(msgspec.Struct, frozen=True):
     """A frame's index, or a time since the first frame, s; the other one is None."""
 
     frame: int | None = None
@@ -25,7 +25,7 @@ class Moment(msgspec.Struct, frozen=True):
         return frame.time - first >= (self.seconds or 0.0) - 1e-9
 
 
-def parse_moment(text: str | None, option: str) -> Moment | None:
+def parse_moment(text: str | None, option: str) -> FrameOrTime | None:
     """Read ``120`` (a frame) or ``4.5s`` (seconds since the first frame); None where nothing was given.
 
     Raises
@@ -38,7 +38,7 @@ def parse_moment(text: str | None, option: str) -> Moment | None:
     found = _MOMENT.fullmatch(text)
     if found is None:
         raise ValueError(f"{option} is a frame, as in 120, or seconds, as in 4.5s, got {text!r}")
-    return Moment(int(found[1]), None) if found[1] is not None else Moment(None, float(found[2]))
+    return FrameOrTime(int(found[1]), None) if found[1] is not None else FrameOrTime(None, float(found[2]))
 
 
 class VideoPart(msgspec.Struct, frozen=True):
@@ -46,12 +46,12 @@ class VideoPart(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    start, end : Moment or None
+    start, end : FrameOrTime or None
         The first frame that is used, and the first that is not any more; None for the video's own.
     """
 
-    start: Moment | None = None
-    end: Moment | None = None
+    start: FrameOrTime | None = None
+    end: FrameOrTime | None = None
 
     @classmethod
     def parse(cls, start: str | None, end: str | None) -> "VideoPart":

@@ -10,7 +10,7 @@ from matchset.app.cli_options import source_words
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, print_warnings
 from matchset.app.guidance.candidate_tiles import candidate_tiles, mask_picture
-from matchset.app.guidance.choice import Choice, choose
+from matchset.app.guidance.choice import BallChoice, choose
 from matchset.app.guidance.explain import PARAMETERS, explain_refused_click
 from matchset.app.guidance.large_frames import reduced, rescaled
 from matchset.app.guidance.next_command import FailedRun, shell_command
@@ -118,7 +118,7 @@ def show_candidates(options: LearnOptions) -> int:
     return FOUND if found else NOT_FOUND
 
 
-def _choose(options: LearnOptions) -> tuple[Choice, bool]:
+def _choose(options: LearnOptions) -> tuple[BallChoice, bool]:
     """Choose the frame and order its candidates; also whether the source is live."""
     given: Frame | None = None
     with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
@@ -165,7 +165,7 @@ def _print_commands(source: tuple[str, ...], frame: Frame, found: Sequence[Candi
 
 
 def _print_commands_for_camera(
-    options: LearnOptions, choice: Choice, colors: Sequence[ColorModel | None], path: Path
+    options: LearnOptions, choice: BallChoice, colors: Sequence[ColorModel | None], path: Path
 ) -> None:
     """Save the frame and every candidate's color: the ball will have moved when the next command is typed."""
     frame, found = choice.frame, choice.candidates

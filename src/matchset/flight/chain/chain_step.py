@@ -11,7 +11,7 @@ from matchset.flight.chain.flight_parameters import FlightParameters
 from matchset.flight.chain.pilot import PilotStep
 from matchset.image.frame import Frame
 from matchset.links.simulation_parameters import FPS
-from matchset.localization.markers.ball_colors import Colors
+from matchset.localization.markers.ball_colors import BallColors
 from matchset.sim.vehicle import VehiclePose
 
 Floats = npt.NDArray[np.float64]
@@ -101,7 +101,7 @@ class FlightSetup(NamedTuple):
     samples : tuple of Frame
         A picture of each camera from before the flight.
     kind : FlightKind
-    colors : tuple of Colors
+    colors : tuple of BallColors
         What each follower looks for; empty: what it learns from its sample.
     countdown : float
         When the first follower is armed, s.
@@ -115,7 +115,7 @@ class FlightSetup(NamedTuple):
     cameras: tuple[CameraModel, ...]
     samples: tuple[Frame, ...]
     kind: FlightKind = "simulated"
-    colors: tuple[Colors, ...] = ()
+    colors: tuple[BallColors, ...] = ()
     countdown: float = 0.0
     fps: float = FPS
     devices: tuple[str, ...] = ()

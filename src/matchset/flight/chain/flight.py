@@ -16,7 +16,7 @@ from matchset.flight.real_time.memory import steady_memory
 from matchset.image.frame import Frame
 from matchset.links.simulated import SimulatedChain
 from matchset.links.simulation_parameters import FPS
-from matchset.localization.markers.ball_colors import Colors, learn_colors
+from matchset.localization.markers.ball_colors import BallColors, learn_colors
 from matchset.media.closing import Closing
 from matchset.sim.world import relative_position
 
@@ -84,7 +84,7 @@ class Flight(ChainFlight):
         The world, its cameras and its links.
     samples : tuple of Frame
         The pictures from which each pilot learned its colors.
-    colors : tuple of Colors
+    colors : tuple of BallColors
         None where the world is quick and there are no pictures.
     pilots : tuple of Pilot
         One per follower; each knows its own camera and its own link only.
@@ -97,7 +97,7 @@ class Flight(ChainFlight):
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
         self.setup = FlightSetup(self.parameters, tuple(camera.model for camera in cameras), self.samples)
         self._index, pilot = 0, self.parameters.loop
-        self.colors: tuple[Colors, ...] = ()
+        self.colors: tuple[BallColors, ...] = ()
         self.pilots: tuple[Pilot, ...]
         if self.parameters.world.quick:
             self.pilots = tuple(OutlinePilot(*each, pilot) for each in zip(cameras, links, strict=True))

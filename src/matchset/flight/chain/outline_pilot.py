@@ -8,7 +8,7 @@ from matchset.image.frame import Frame
 from matchset.links.link import Link
 from matchset.links.simulated import SimulatedCamera
 from matchset.localization.localizer import Localizer
-from matchset.localization.markers.ball_colors import Colors
+from matchset.localization.markers.ball_colors import BallColors
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -32,7 +32,7 @@ class OutlinePilot(Pilot):
 
     def __init__(self, camera: SimulatedCamera, link: Link, parameters: PilotParameters | None = None) -> None:
         no_color = ColorModel.dark()
-        super().__init__(camera, link, Colors(no_color, no_color), parameters)
+        super().__init__(camera, link, BallColors(no_color, no_color), parameters)
         self._outline_beyond = Localizer(camera.model, self.parameters.target)
 
     def _begin_tracking(self) -> None:

@@ -24,7 +24,7 @@ from matchset.links.camera import Camera
 from matchset.links.link import Link
 from matchset.localization.ball_target import NeighborBall
 from matchset.localization.localizer import Localizer
-from matchset.localization.markers.ball_colors import Colors
+from matchset.localization.markers.ball_colors import BallColors
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball, in_lights
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
@@ -134,7 +134,7 @@ class Pilot:
     ----------
     camera : Camera
     link : Link
-    colors : Colors
+    colors : BallColors
     parameters : PilotParameters, optional
 
     Attributes
@@ -150,7 +150,9 @@ class Pilot:
         Why it descends by `land`; empty if it does not.
     """
 
-    def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
+    def __init__(
+        self, camera: Camera, link: Link, colors: BallColors, parameters: PilotParameters | None = None
+    ) -> None:
         self.parameters = parameters or PilotParameters()
         self.camera, self.link, self._colors = camera, link, colors
         self._begin()

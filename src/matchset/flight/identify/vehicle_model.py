@@ -27,7 +27,7 @@ Floats = npt.NDArray[np.float64]
 STEP = 1.0 / 240.0  # format: s, of the integration; the sticks are averaged over it
 
 
-class Answer(NamedTuple):
+class VehicleResponse(NamedTuple):
     """A vehicle when the pictures were taken, in a level frame at rest: x right, y down, z forward, of its start.
 
     Attributes
@@ -110,7 +110,7 @@ class VehicleModel:
         self._since = np.concatenate((log.sent, [end + 1.0]))
         self._added = np.vstack((np.zeros(log.sticks.shape[1]), np.cumsum(log.sticks * held[:, np.newaxis], axis=0)))
 
-    def predict(self, values: VehicleValues[float]) -> Answer:
+    def predict(self, values: VehicleValues[float]) -> VehicleResponse:
         """Compute attitude and way at the times of the pictures."""
         roll, pitch, yaw, throttle = self._sticks(values.delay)
         roll, pitch, turned = _turned(values, roll, pitch, yaw)
@@ -134,12 +134,12 @@ class VehicleModel:
         at = self._edges - delay
         return np.stack([np.diff(np.interp(at, self._since, added)) / STEP for added in self._added.T])
 
-    def _at_pictures(self, roll: Floats, pitch: Floats, yaw: Floats, way: Floats) -> Answer:
+    def _at_pictures(self, roll: Floats, pitch: Floats, yaw: Floats, way: Floats) -> VehicleResponse:
         """Interpolate, tilts at the ends of the steps."""
         at, times = self._log.taken, self._edges[1:]
         tilts = [np.interp(at, times, each) for each in (roll, pitch, yaw)]
         places = np.stack([np.interp(at, times, each) for each in way.T], axis=1)
-        return Answer(_rotations(*tilts), places)
+        return VehicleResponse(_rotations(*tilts), places)
 
 
 def _turned(values: VehicleValues[float], roll: Floats, pitch: Floats, yaw: Floats) -> tuple[Floats, Floats, Floats]:

@@ -28,7 +28,7 @@ from matchset.image.frame import Frame
 from matchset.links.connect import connect
 from matchset.links.link import Link
 from matchset.links.simulation_parameters import FPS
-from matchset.localization.markers.ball_colors import Colors
+from matchset.localization.markers.ball_colors import BallColors
 from matchset.media.video import Video
 
 MOST_FOLLOWERS = 19  # format: the last vehicle of a chain of 20 follows nobody
@@ -41,11 +41,11 @@ class LinkedFiles(NamedTuple):
     ----------
     camera : CameraModel or None
         None where the field of view counts.
-    colors : Colors
+    colors : BallColors
     """
 
     camera: CameraModel | None
-    colors: Colors
+    colors: BallColors
 
 
 def read_files(follower: LinkedFollower) -> LinkedFiles:
@@ -61,7 +61,7 @@ def read_files(follower: LinkedFollower) -> LinkedFiles:
     camera = CameraModel.load(follower.camera_file) if follower.camera_file else None
     if camera is not None:
         camera = camera.turned(follower.turn, follower.mirror)
-    return LinkedFiles(camera, Colors(ball | marker, marker))
+    return LinkedFiles(camera, BallColors(ball | marker, marker))
 
 
 def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: FlightParameters) -> LiveCamera:

@@ -1,4 +1,4 @@
-"""A person moves the vehicle by hand: does it answer the right way? `Move`, `MOVES`, `Watch`.
+"""A person moves the vehicle by hand: does it answer the right way? `Move`, `MOVES`, `StickWatch`.
 
 A camera that is upside down, a mirrored picture, a wrong mount or a marker on the wrong side show here and nowhere else
 before the first flight.
@@ -50,7 +50,7 @@ MOVES = (
 )
 
 
-class Watch(msgspec.Struct):
+class StickWatch(msgspec.Struct):
     """Watches one stick from where it was at rest.
 
     Parameters

@@ -24,7 +24,7 @@ from matchset.flight.linked.vehicle_kind import for_links
 from matchset.flight.preflight.checks.link_checks import battery_check, battery_news, status_checks, vehicle_check
 from matchset.flight.preflight.checks.picture_checks import exposure_checks, picture_checks, rate_of, watch_pictures
 from matchset.flight.preflight.checks.sight_checks import CheckContext, dry_run_check, sight_checks, time_checks
-from matchset.flight.preflight.moves import MOVES, Watch, skipped_moves
+from matchset.flight.preflight.moves import MOVES, StickWatch, skipped_moves
 from matchset.flight.preflight.outcome import CheckOutcome, failed, judged
 from matchset.flight.preflight.parameters import PreflightParameters
 from matchset.flight.preflight.person import Person
@@ -169,11 +169,11 @@ def _dry_run(flight: LinkedFlight, camera: LiveCamera, told: CheckContext, bench
     rest = WouldBe(*np.median(sticks_of(steps, told.pilot.follower), axis=0).tolist())
     stepped = (each.steps[0] for each in run)
     for move in MOVES:
-        yield _moved(Watch(move, getattr(rest, move.stick), parameters), stepped, flight, camera, person)
+        yield _moved(StickWatch(move, getattr(rest, move.stick), parameters), stepped, flight, camera, person)
 
 
 def _moved(
-    watch: Watch, steps: Iterator[PilotStep], flight: LinkedFlight, camera: LiveCamera, person: Person
+    watch: StickWatch, steps: Iterator[PilotStep], flight: LinkedFlight, camera: LiveCamera, person: Person
 ) -> CheckOutcome:
     """Have a person move the vehicle, and watch the stick until it has been seen or the time is over."""
     told = flight.parameters.loop.follower

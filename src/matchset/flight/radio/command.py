@@ -15,14 +15,14 @@ from matchset.flight.radio.options import BindOptions, ConfigOptions, MonitorOpt
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from matchset.links.arduino.messages import Config, Report
+    from matchset.links.arduino.messages import Config, StatusReport
 
 RADIO_EXIT_CODES = (
     "Exit codes: 0 done, 1 the firmware refused or heard something else, 2 bad options, "
     "3 no transmitter there or it went away, 130 stopped by Ctrl-C."
 )
 LINE_PERIOD = 0.1  # format: s between lines of the monitor; the firmware reports as often
-NEVER_MS = 0xFFFF  # format: `Report.age_ms` if no frame ever came
+NEVER_MS = 0xFFFF  # format: `StatusReport.age_ms` if no frame ever came
 
 radio = typer.Typer(
     name="radio",
@@ -77,7 +77,7 @@ def monitor(options: MonitorOptions) -> int:
     return exit_codes.FOUND
 
 
-def report_line(report: "Report") -> "Text":
+def report_line(report: "StatusReport") -> "Text":
     """Write a report of the firmware in one line."""
     from rich.text import Text
 

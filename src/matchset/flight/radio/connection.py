@@ -6,7 +6,7 @@ from collections.abc import Callable
 import msgspec
 
 from matchset.links.arduino.arduino_link import ArduinoLink
-from matchset.links.arduino.messages import Report
+from matchset.links.arduino.messages import StatusReport
 
 REFUSED = 1  # format: exit code if the firmware refused, or heard something else
 
@@ -18,7 +18,7 @@ class Radio(msgspec.Struct):
     clock: Callable[[], float] = time.monotonic
     sleep: Callable[[float], None] = time.sleep
 
-    def wait(self, done: Callable[[Report], bool], timeout: float) -> bool:
+    def wait(self, done: Callable[[StatusReport], bool], timeout: float) -> bool:
         """Listen until a report fulfills `done`; False after `timeout`, s."""
         start = self.clock()
         while not done(self.link.report):

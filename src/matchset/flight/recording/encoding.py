@@ -26,7 +26,7 @@ from matchset.flight.recording.messages import (
 )
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.markers.ball_colors import Colors
+from matchset.localization.markers.ball_colors import BallColors
 from matchset.media.bags.packed_fields import NANO
 from matchset.media.bags.ros_image import COMPRESSED_IMAGE, read_picture
 from matchset.media.picture import decode_picture
@@ -115,12 +115,12 @@ def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
     )
 
 
-def colors_message(colors: Colors) -> ColorsMessage:
+def colors_message(colors: BallColors) -> ColorsMessage:
     """Make the message of what a follower looks for."""
     return ColorsMessage(*(model.log_odds.astype("<f4").tobytes() for model in colors))
 
 
-def colors_of(message: ColorsMessage) -> Colors:
+def colors_of(message: ColorsMessage) -> BallColors:
     """Make what a follower looks for of its message.
 
     Raises
@@ -129,7 +129,7 @@ def colors_of(message: ColorsMessage) -> Colors:
         If it holds no color models.
     """
     tables = message.ball, message.marker
-    return Colors(*(ColorModel(np.frombuffer(each[: len(each) // 4 * 4], "<f4")) for each in tables))
+    return BallColors(*(ColorModel(np.frombuffer(each[: len(each) // 4 * 4], "<f4")) for each in tables))
 
 
 def truth_message(chain_step: ChainStep) -> TruthMessage:

@@ -21,8 +21,8 @@ from matchset.flight.fly.output_files import Quiet
 
 if TYPE_CHECKING:
     from matchset.flight.chain.flight_parameters import FlightParameters
-    from matchset.flight.simulate.table import Flown, Limits, SweepRow
-    from matchset.flight.simulate.variation import Axis, Case
+    from matchset.flight.simulate.table import Flown, RowLimits, SweepRow
+    from matchset.flight.simulate.variation import Axis, FlightCase
 
 SIMULATE_EPILOG = """
 [bold]Examples[/bold]
@@ -111,13 +111,13 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError("--grid needs --vary")
         return [parse_sweep(self.sweep or "latency_ms=0,33,67,100,133")] if self.vary is None else parse_vary(self.vary)
 
-    def limits(self) -> "Limits":
+    def limits(self) -> "RowLimits":
         """Make the limits that every row of the table must reach: where all is varied, those alone that are given."""
-        from matchset.flight.simulate.table import Limits
+        from matchset.flight.simulate.table import RowLimits
 
-        usual = Limits() if self.vary is None else Limits(in_view=0.0, spread=math.inf)
+        usual = RowLimits() if self.vary is None else RowLimits(in_view=0.0, spread=math.inf)
         in_view = usual.in_view if self.in_view is None else self.in_view
-        return Limits(
+        return RowLimits(
             survival=self.survival, in_view=in_view, spread=usual.spread if self.spread is None else self.spread
         )
 
@@ -149,7 +149,7 @@ def simulate(options: SimulateOptions) -> int:
     return FOUND if holds else NOT_FOUND
 
 
-def _cases(axes: "list[Axis]", flight: "FlightParameters", options: SimulateOptions) -> "list[Case]":
+def _cases(axes: "list[Axis]", flight: "FlightParameters", options: SimulateOptions) -> "list[FlightCase]":
     """List the flights; the ends of all ranges are checked before the first one begins."""
     from matchset.flight.simulate.variation import changed, plan
 
@@ -162,7 +162,7 @@ def _cases(axes: "list[Axis]", flight: "FlightParameters", options: SimulateOpti
 def _fly(
     axes: "list[Axis]",
     flight: "FlightParameters",
-    cases: "list[Case]",
+    cases: "list[FlightCase]",
     folder: Path,
     options: SimulateOptions,
     stop: StopRequest,

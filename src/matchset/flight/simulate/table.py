@@ -10,7 +10,7 @@ import numpy as np
 
 from matchset.flight.chain.flight_parameters import FlightParameters
 from matchset.flight.chain.score import FlightScore
-from matchset.flight.simulate.variation import Axis, Case, quantity
+from matchset.flight.simulate.variation import Axis, FlightCase, quantity
 
 HEADER = (
     "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us,"
@@ -27,7 +27,7 @@ ALL = "all at once"
 THIRDS = 3  # format: parts of a range that have a row each
 
 
-class Limits(msgspec.Struct, frozen=True, kw_only=True):
+class RowLimits(msgspec.Struct, frozen=True, kw_only=True):
     """What every row of the table must reach.
 
     Parameters
@@ -55,7 +55,7 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True):
 class Flown(NamedTuple):
     """One flight: what was varied, and its score."""
 
-    case: Case
+    case: FlightCase
     score: FlightScore
 
 
@@ -103,7 +103,7 @@ class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
         values = [each[axis] for score in self.scores for each in score.spread]
         return float(np.median(values)) if values else math.inf
 
-    def violation(self, limits: Limits) -> str:
+    def violation(self, limits: RowLimits) -> str:
         """Name the first limit that does not hold; empty if all hold."""
         count = len(self.scores)
         if not count or self.survived < limits.survival * count:
@@ -209,7 +209,7 @@ def centimeters(value: float) -> str:
     return f"{100.0 * value:.1f} cm" if math.isfinite(value) else "-"
 
 
-def sweep_verdict(rows: Sequence[SweepRow], flight: FlightParameters, limits: Limits) -> tuple[bool, str]:
+def sweep_verdict(rows: Sequence[SweepRow], flight: FlightParameters, limits: RowLimits) -> tuple[bool, str]:
     """Compare all rows that are judged with the limits.
 
     Parameters
@@ -217,7 +217,7 @@ def sweep_verdict(rows: Sequence[SweepRow], flight: FlightParameters, limits: Li
     rows : sequence of SweepRow
     flight : FlightParameters
         Of all flights, but for seed and what is varied.
-    limits : Limits
+    limits : RowLimits
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What is varied in many flights, from the command line to the parameters of each: `Axis`, `Case`, `changed`."""
+"""What is varied in many flights, from the command line to the parameters of each: `Axis`, `FlightCase`, `changed`."""
 
 import math
 import zlib
@@ -59,7 +59,7 @@ class Axis(msgspec.Struct, frozen=True):
         return float(rng.choice(self.values)) if self.values else float(rng.uniform(self.low, self.high))
 
 
-class Case(NamedTuple):
+class FlightCase(NamedTuple):
     """One flight.
 
     Attributes
@@ -150,7 +150,7 @@ def parse_sweep(sweep: str) -> Axis:
     return Axis(name, min(read), max(read), read, told=True)
 
 
-def plan(axes: Sequence[Axis], grid: int, seeds: Sequence[int]) -> list[Case]:
+def plan(axes: Sequence[Axis], grid: int, seeds: Sequence[int]) -> list[FlightCase]:
     """List the flights: each constant alone at each of its values, then all at once at random.
 
     Parameters
@@ -164,9 +164,9 @@ def plan(axes: Sequence[Axis], grid: int, seeds: Sequence[int]) -> list[Case]:
     """
     listed = len(axes) == 1 and bool(axes[0].values)
     alone = [(axis.name, value) for axis in axes for value in axis.grid(grid)] if grid or listed else []
-    cases = [Case(name, {name: value}, seed) for name, value in alone for seed in seeds]
+    cases = [FlightCase(name, {name: value}, seed) for name, value in alone for seed in seeds]
     if not listed:
-        cases += [Case("", {axis.name: axis.drawn(seed) for axis in axes}, seed) for seed in seeds]
+        cases += [FlightCase("", {axis.name: axis.drawn(seed) for axis in axes}, seed) for seed in seeds]
     return cases
 
 

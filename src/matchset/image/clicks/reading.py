@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from matchset.image.disc_network.at_click import BallAtClickParameters, Weighed
+from matchset.image.disc_network.click_discs import BallAtClickParameters, WeighedDisc
 
 Circle3 = tuple[float, float, float]
 BALL, SPOT, AROUND, OTHER, REGION = "ball", "spot on it", "ball around it", "another ball", "region"
@@ -45,7 +45,7 @@ class Reading(msgspec.Struct, frozen=True):
 
 
 def readings_of(
-    discs: Sequence[Weighed], shares: Sequence[float], extent: Circle3, limits: BallAtClickParameters
+    discs: Sequence[WeighedDisc], shares: Sequence[float], extent: Circle3, limits: BallAtClickParameters
 ) -> tuple[Reading, ...]:
     """Weigh the discs at a click and the region that grew there against each other.
 
@@ -55,7 +55,7 @@ def readings_of(
 
     Parameters
     ----------
-    discs : sequence of Weighed
+    discs : sequence of WeighedDisc
     shares : sequence of float
         Of each, which share of disc and region together is in both.
     extent : (x, y, radius)

@@ -70,7 +70,7 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     least: float = 0.1
 
 
-class Change(NamedTuple):
+class LightChange(NamedTuple):
     """From one picture to another, laid over it.
 
     Attributes
@@ -171,7 +171,7 @@ def _overlapping(before: Bytes, now: Bytes, right: int, down: int) -> tuple[Byte
     return before[rows, columns], now[moved_rows, moved_columns]
 
 
-def _change(before: Bytes, now: Bytes, limits: RelightingParameters) -> Change | None:
+def _change(before: Bytes, now: Bytes, limits: RelightingParameters) -> LightChange | None:
     """Median change of each channel over the pixels that are cut off in neither picture."""
     pixels = np.stack((before, now)).reshape(2, -1, before.shape[2]).astype(np.float64)
     whole = np.logical_and.reduce((pixels > limits.darkest) & (pixels < limits.brightest))
@@ -185,7 +185,7 @@ def _change(before: Bytes, now: Bytes, limits: RelightingParameters) -> Change |
         logarithms[channel] = np.median(ratios)
         spread = max(spread, float(np.median(np.abs(ratios - logarithms[channel]))))
     logarithms[np.isnan(logarithms)] = logarithms[known].mean()
-    return Change(logarithms, spread, _correlation(*pixels.clip(limits.darkest, limits.brightest)))
+    return LightChange(logarithms, spread, _correlation(*pixels.clip(limits.darkest, limits.brightest)))
 
 
 def _correlation(first: Floats, second: Floats) -> float:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.arduino import channels, messages
-from matchset.links.arduino.messages import Config, Report, Result
+from matchset.links.arduino.messages import Config, Result, StatusReport
 from matchset.links.arduino.protocol import ArduinoParameters, FirmwareClient
 from matchset.links.link import Link, LinkStatus
 from matchset.links.serial_port import Port, SerialPort
@@ -72,7 +72,7 @@ class ArduinoLink(NotCopied, Link):
             raise
 
     @property
-    def report(self) -> Report:
+    def report(self) -> StatusReport:
         """The last status of the firmware with all its fields; never waits."""
         return self.firmware.report
 

@@ -51,7 +51,7 @@ Axis = Literal["roll", "pitch", "yaw"]
 AXES: tuple[Axis, ...] = get_args(Axis)
 
 
-class Report(msgspec.Struct, frozen=True):
+class StatusReport(msgspec.Struct, frozen=True):
     """A decoded status frame.
 
     Attributes
@@ -89,7 +89,7 @@ class Report(msgspec.Struct, frozen=True):
     heard: tuple[int, int, int, int]
 
     @classmethod
-    def decode(cls, payload: bytes) -> "Report":
+    def decode(cls, payload: bytes) -> "StatusReport":
         """Decode a payload of type E0.
 
         Raises

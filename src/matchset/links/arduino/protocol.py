@@ -9,7 +9,7 @@ from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links import crsf_frame as crsf
 from matchset.links.arduino import channels, messages
-from matchset.links.arduino.messages import Config, Report, Result
+from matchset.links.arduino.messages import Config, Result, StatusReport
 from matchset.links.link import State
 from matchset.links.serial_port import Port
 
@@ -102,7 +102,7 @@ class FirmwareClient:
         self._parser = crsf.CrsfParser()
         self._pending: dict[int, tuple[float, bool]] = {}  # frame number: when it was sent, arm switch
         self._config: tuple[Result, Config] | None = None
-        self._report: Report | None = None
+        self._report: StatusReport | None = None
         self._asked = False  # about the configuration
         self._echo: tuple[int, bool] = -1, False  # channel 16 of the last status, arm switch of that frame
         self._refusals: tuple[State | None, int] = None, 0  # state, status frames in a row that refuse with it
@@ -110,7 +110,7 @@ class FirmwareClient:
         self._received_at = clock()
 
     @property
-    def report(self) -> Report:
+    def report(self) -> StatusReport:
         """The last status of the firmware; never waits."""
         self.receive()
         silence = self._clock() - self._received_at
@@ -164,7 +164,7 @@ class FirmwareClient:
         for kind, payload in self._parser.feed(data):
             try:
                 if kind == messages.STATUS:
-                    self._update(Report.decode(payload))
+                    self._update(StatusReport.decode(payload))
                 elif kind == messages.CONFIG and self._asked:
                     self._config = messages.decode_config(payload)
             except LinkError:
@@ -202,7 +202,7 @@ class FirmwareClient:
                 self.disarm()
         self._port.close()
 
-    def _update(self, report: Report) -> None:
+    def _update(self, report: StatusReport) -> None:
         self._received_at = self._clock()
         default = None, report.echo == self._echo[0] and self._echo[1]
         sent_at, armed = self._pending.pop(report.echo - crsf.CHANNEL_LOW, default)

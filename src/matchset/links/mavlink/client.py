@@ -9,7 +9,7 @@ from matchset.image.errors import LinkError
 from matchset.links.mavlink.address import Address
 from matchset.links.mavlink.autopilots import Autopilot, autopilot_of
 from matchset.links.mavlink.message import Values
-from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, Writer
+from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, PacketWriter
 from matchset.links.mavlink.ports import MavlinkPort
 from matchset.links.mavlink.telemetry import AutopilotTelemetry
 
@@ -121,7 +121,7 @@ class AutopilotClient:
         self.clock_offset: float | None = None
         self.broken = False
         self._port, self._clock, self._sleep = port, clock, sleep
-        self._writer = Writer(address.system, STATION_COMPONENT)
+        self._writer = PacketWriter(address.system, STATION_COMPONENT)
         self._type = STATION
         self._parsers: dict[str, MavlinkParser] = {}
         self._hearts: dict[tuple[int, str], tuple[int, Values]] = {}  # vehicle and sender: component, heartbeat
@@ -150,7 +150,7 @@ class AutopilotClient:
         """
         p = self.parameters
         if on_board:  # never a heartbeat of a ground station that then is silent: that would be a failsafe
-            self._writer, self._type = Writer(self.address.vehicle or 1, ODOMETRY_COMPONENT), ONBOARD
+            self._writer, self._type = PacketWriter(self.address.vehicle or 1, ODOMETRY_COMPONENT), ONBOARD
         self.wait(lambda: bool(self._hearts), p.startup_timeout, self._nobody)
         first = self._clock()
         self.wait(lambda: self._clock() - first >= p.census, 2.0 * p.census, lambda: "")
@@ -167,7 +167,7 @@ class AutopilotClient:
         self.system, sender = found[0]
         self.component, heart = self._hearts[found[0]]
         if on_board:
-            self._writer = Writer(self.system, ODOMETRY_COMPONENT)
+            self._writer = PacketWriter(self.system, ODOMETRY_COMPONENT)
         self._port.choose(sender)
         self.autopilot, self.kind = autopilot_of(heart["autopilot"]), heart["type"]
         self.telemetry.note("HEARTBEAT", heart, self._clock())

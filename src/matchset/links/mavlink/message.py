@@ -1,4 +1,4 @@
-"""What a MAVLink message consists of, from which it is packed, parsed and documented: `MavlinkMessage`, `Field`.
+"""What a MAVLink message consists of, from which it is packed, parsed and documented: `MavlinkMessage`, `MessageField`.
 
 A payload holds the fields with the largest type first, otherwise in their order; extension fields follow in their
 order (MAVLink's guide, "Packet Serialization"). Numbers are little-endian. MAVLink 2 leaves out zero bytes at the end
@@ -32,7 +32,7 @@ Values = dict[str, Any]
 """Values of a message by the names of its fields: int, float, str, or a tuple of them for an array."""
 
 
-class Field(msgspec.Struct, frozen=True):
+class MessageField(msgspec.Struct, frozen=True):
     """A field of a message.
 
     Attributes
@@ -79,16 +79,16 @@ class MavlinkMessage(msgspec.Struct, frozen=True, dict=True):
     name : str
     what : str
         What matchset uses it for, in words.
-    fields : tuple of Field
+    fields : tuple of MessageField
     """
 
     id: int
     name: str
     what: str
-    fields: tuple[Field, ...]
+    fields: tuple[MessageField, ...]
 
     @cached_property
-    def wire_fields(self) -> tuple[Field, ...]:
+    def wire_fields(self) -> tuple[MessageField, ...]:
         """The fields in the order of their bytes."""
         first = [field for field in self.fields if not field.extension]
         first.sort(key=lambda field: -SIZES[field.base][0])
@@ -150,7 +150,7 @@ class MavlinkMessage(msgspec.Struct, frozen=True, dict=True):
                 values[field.name] = tuple(next(flat) for _ in range(field.count)) if field.count else next(flat)
         return values
 
-    def _elements(self, field: Field, value: Any) -> Sequence[Any]:
+    def _elements(self, field: MessageField, value: Any) -> Sequence[Any]:
         """Return the elements that a value takes in the payload."""
         if field.is_text:
             text = (value or "").encode()

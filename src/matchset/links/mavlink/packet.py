@@ -1,4 +1,4 @@
-"""MAVLink 2 packets: `Writer` makes them, `MavlinkParser` finds them in a stream of bytes.
+"""MAVLink 2 packets: `PacketWriter` makes them, `MavlinkParser` finds them in a stream of bytes.
 
 A packet is ``FD | n | flags that must be understood | other flags | sequence number | system | component | message id,
 3 bytes | n bytes of payload | CRC, 2 bytes``, after a signed one 13 bytes of signature. The CRC covers all after FD and
@@ -44,7 +44,7 @@ def checksum(body: bytes, extra: int) -> bytes:
     return accumulate(bytes([extra]), accumulate(body)).to_bytes(CRC_BYTES, "little")
 
 
-class Writer:
+class PacketWriter:
     """Makes the packets of one sender, with sequence numbers.
 
     Parameters

@@ -23,7 +23,7 @@ BATTERY_STATES = {
 EMERGENCIES = {5: "critical", 6: "emergency", 8: "flight termination"}  # format: MAV_STATE
 
 
-class Text(NamedTuple):
+class AutopilotText(NamedTuple):
     """What the autopilot said, when, s, and how grave it is, 0 (emergency) ... 7 (for developers)."""
 
     time: float
@@ -49,7 +49,7 @@ class AutopilotTelemetry:
         When anything, or a heartbeat, was heard last, s.
     heart : dict
         Values of the last heartbeat; empty before the first.
-    texts : deque of Text
+    texts : deque of AutopilotText
         The last ones, oldest first.
     acks : dict of int to tuple
         Number of a command: when its last answer came, s, and the answer.
@@ -70,7 +70,7 @@ class AutopilotTelemetry:
         self.heard_at: float | None = None
         self.heart_at: float | None = None
         self.heart: Values = {}
-        self.texts: deque[Text] = deque(maxlen=KEPT)
+        self.texts: deque[AutopilotText] = deque(maxlen=KEPT)
         self.acks: dict[int, tuple[float, int]] = {}
         self.attitude: AutopilotAttitude | None = None
         self.voltage: float | None = None
@@ -146,4 +146,4 @@ class AutopilotTelemetry:
             for stale in list(itertools.islice(self._pieces, max(0, len(self._pieces) - KEPT))):
                 del self._pieces[stale]
         if words.strip():
-            self.texts.append(Text(now, values["severity"], words.strip()))
+            self.texts.append(AutopilotText(now, values["severity"], words.strip()))

@@ -13,7 +13,7 @@ from matchset.app.calibrate.still_ball import StillInterval, still_intervals
 from matchset.camera.ball_focal_length import HeldBall
 from matchset.camera.camera_model import CameraModel
 from matchset.camera.one_ball_focal import focal_from_one_ball
-from matchset.live.camera.shown import Shown, newest_pictures
+from matchset.live.camera.camera_source import CameraSource, newest_pictures
 from matchset.live.wire.state import TargetState
 from matchset.media.closing import Closing
 from matchset.shapes.circle import Circle
@@ -60,7 +60,7 @@ class BallDistance(Closing):
 
     Parameters
     ----------
-    shown : Shown
+    shown : CameraSource
     target : int
         Its number.
     meters : float
@@ -77,7 +77,7 @@ class BallDistance(Closing):
 
     def __init__(
         self,
-        shown: Shown,
+        shown: CameraSource,
         target: int,
         meters: float,
         note: Callable[[str], None],

@@ -21,7 +21,7 @@ from matchset.camera.calibration_report import CalibrationReport, grade_calibrat
 from matchset.camera.camera_model import CameraModel
 from matchset.camera.view_selection import select_views
 from matchset.image.frame import Frame
-from matchset.live.camera.shown import Shown, newest_pictures
+from matchset.live.camera.camera_source import CameraSource, newest_pictures
 from matchset.media.closing import Closing
 
 Phase = Literal["looking", "computing", "done", "refused"]
@@ -40,7 +40,7 @@ class BoardCalibrationParameters(msgspec.Struct, frozen=True, kw_only=True):
     kept: int = 120
 
 
-class Line(msgspec.Struct, frozen=True):
+class VerdictLine(msgspec.Struct, frozen=True):
     """A line of the verdict: its grade, what it is of, and in words."""
 
     grade: str
@@ -67,7 +67,7 @@ class BoardState(msgspec.Struct, frozen=True, omit_defaults=True):
         Download: the camera file.
     grade : str
         "good", "usable", "poor".
-    lines : list of Line
+    lines : list of VerdictLine
         The verdict, property by property.
     """
 
@@ -78,7 +78,7 @@ class BoardState(msgspec.Struct, frozen=True, omit_defaults=True):
     picture: str = ""
     file: str = ""
     grade: str = ""
-    lines: list[Line] = []
+    lines: list[VerdictLine] = []
 
 
 class BoardCalibration(Closing):
@@ -86,7 +86,7 @@ class BoardCalibration(Closing):
 
     Parameters
     ----------
-    shown : Shown
+    shown : CameraSource
         Its pictures are read, and its camera is set at the end.
     board : Board
     note : callable
@@ -102,7 +102,7 @@ class BoardCalibration(Closing):
 
     def __init__(
         self,
-        shown: Shown,
+        shown: CameraSource,
         board: Board,
         note: Callable[[str], None],
         mounted: TurnOptions = UPRIGHT,
@@ -212,7 +212,7 @@ class BoardCalibration(Closing):
             picture=shown,
             file=file.name,
             grade=report.grade,
-            lines=[Line(finding.grade, finding.name, finding.words) for finding in report.findings],
+            lines=[VerdictLine(finding.grade, finding.name, finding.words) for finding in report.findings],
         )
 
     def _refuse(self, words: str) -> None:

@@ -13,6 +13,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.live.camera.ball_distance import BallDistance
 from matchset.live.camera.board_calibration import BoardCalibration, BoardState
 from matchset.live.camera.camera_files import CameraFile, find_camera_files, read_camera_file
+from matchset.live.camera.camera_source import CameraSource
 from matchset.live.camera.messages import (
     MESSAGES,
     BallAt,
@@ -22,7 +23,6 @@ from matchset.live.camera.messages import (
     UseCamera,
 )
 from matchset.live.camera.printed_boards import PrintedBoard, PrintedBoards
-from matchset.live.camera.shown import Shown
 from matchset.live.feed import Panel
 from matchset.media.closing import Closing
 
@@ -70,7 +70,7 @@ class CameraPanel(Panel, Closing):
 
     Parameters
     ----------
-    shown : Shown
+    shown : CameraSource
     note : callable
         Told what a person should know.
     folder : Path, optional
@@ -85,7 +85,7 @@ class CameraPanel(Panel, Closing):
 
     def __init__(
         self,
-        shown: Shown,
+        shown: CameraSource,
         note: Callable[[str], None],
         folder: Path | None = None,
         mounted: TurnOptions = UPRIGHT,

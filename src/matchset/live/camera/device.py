@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from matchset.image.errors import LinkError
 from matchset.live.sources.cameras import FoundCamera, find_cameras
-from matchset.media.camera_stream import Live
+from matchset.media.camera_stream import LiveSource
 from matchset.media.streams.camera_settings import Control, Settings
 from matchset.media.streams.silence import Silence
 from matchset.media.upright.view import ANY, Wish
@@ -40,16 +40,16 @@ class SetCamera(Video):
     @property
     def current(self) -> Settings:
         """What was asked for, with what the camera says."""
-        return self._source.settings if isinstance(self._source, Live) else {}
+        return self._source.settings if isinstance(self._source, LiveSource) else {}
 
     @property
     def controls(self) -> dict[str, Control]:
         """The settings that the camera has."""
-        return self._source.controls if isinstance(self._source, Live) else {}
+        return self._source.controls if isinstance(self._source, LiveSource) else {}
 
     def adjust(self, name: str, value: float | None) -> None:
-        """Change a setting before the next picture; see `Live.adjust`."""
-        if isinstance(self._source, Live):
+        """Change a setting before the next picture; see `LiveSource.adjust`."""
+        if isinstance(self._source, LiveSource):
             self._source.adjust(name, value)
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from matchset.live.wire.messages import Name, Number, Up
+from matchset.live.wire.messages import Name, Number, PageMessage
 
 Corners = Annotated[int, msgspec.Meta(ge=3, le=100)]
 Side = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
@@ -14,17 +14,17 @@ Setting = Literal["exposure", "gain", "white_balance", "fps"]
 Meters = Annotated[float, msgspec.Meta(gt=0.0, le=1000.0)]
 
 
-class UseCamera(Up, frozen=True, tag="use_camera"):
+class UseCamera(PageMessage, frozen=True, tag="use_camera"):
     """Use the camera file of this key in the menu."""
 
     key: Name
 
 
-class LookForCameraFiles(Up, frozen=True, tag="look_for_camera_files"):
+class LookForCameraFiles(PageMessage, frozen=True, tag="look_for_camera_files"):
     """Look again which camera files there are."""
 
 
-class CalibrateBoard(Up, frozen=True, tag="calibrate_board"):
+class CalibrateBoard(PageMessage, frozen=True, tag="calibrate_board"):
     """Begin to look for a board: its inner corners, the side of a square in m, that of a marker if it has some."""
 
     columns: Corners
@@ -34,13 +34,13 @@ class CalibrateBoard(Up, frozen=True, tag="calibrate_board"):
     dictionary: Name = "5X5_100"
 
 
-class EndBoard(Up, frozen=True, tag="end_board"):
+class EndBoard(PageMessage, frozen=True, tag="end_board"):
     """Calibrate with the views so far; or, where `use` is false, forget them."""
 
     use: bool = True
 
 
-class BallAt(Up, frozen=True, tag="ball_at"):
+class BallAt(PageMessage, frozen=True, tag="ball_at"):
     """A target of known diameter is held still; its nearest point is at this distance from the lens, m."""
 
     target: Number
@@ -48,17 +48,17 @@ class BallAt(Up, frozen=True, tag="ball_at"):
 
 
 CameraWish = UseCamera | LookForCameraFiles | CalibrateBoard | EndBoard | BallAt
-MESSAGES: tuple[type[Up], ...] = (UseCamera, LookForCameraFiles, CalibrateBoard, EndBoard, BallAt)
+MESSAGES: tuple[type[PageMessage], ...] = (UseCamera, LookForCameraFiles, CalibrateBoard, EndBoard, BallAt)
 
 
-class SetCameraSetting(Up, frozen=True, tag="set_camera"):
+class SetCameraSetting(PageMessage, frozen=True, tag="set_camera"):
     """Ask the camera for a setting, in its driver's unit; None: what the camera chooses."""
 
     name: Setting
     value: Value | None
 
 
-class SetCameraSize(Up, frozen=True, tag="set_camera_size"):
+class SetCameraSize(PageMessage, frozen=True, tag="set_camera_size"):
     """Ask the camera for pictures of a size, px."""
 
     width: Pixels
@@ -66,4 +66,4 @@ class SetCameraSize(Up, frozen=True, tag="set_camera_size"):
 
 
 SettingWish = SetCameraSetting | SetCameraSize
-SETTINGS: tuple[type[Up], ...] = (SetCameraSetting, SetCameraSize)
+SETTINGS: tuple[type[PageMessage], ...] = (SetCameraSetting, SetCameraSize)

@@ -34,7 +34,7 @@ from matchset.tracking.track import Lost
 DEFAULT_FPS = 30.0  # format: of a film whose video states no rate
 
 
-class Working(msgspec.Struct, frozen=True, omit_defaults=True):
+class ExportInProgress(msgspec.Struct, frozen=True, omit_defaults=True):
     """What is being written.
 
     Parameters
@@ -54,7 +54,7 @@ class Working(msgspec.Struct, frozen=True, omit_defaults=True):
     left: float | None = None
 
 
-class Written(msgspec.Struct, frozen=True):
+class ExportedFile(msgspec.Struct, frozen=True):
     """A file that is finished.
 
     Parameters
@@ -125,8 +125,8 @@ class Exports(Closing):
 
     Attributes
     ----------
-    working : Working or None
-    written : list of Written
+    working : ExportInProgress or None
+    written : list of ExportedFile
         Replaced, never changed.
     fps : float or None
         Of the video.
@@ -136,8 +136,8 @@ class Exports(Closing):
         self, open_reader: Callable[[], ExactReader], frames: FrameList, note: Callable[[str], None]
     ) -> None:  # fmt: skip
         self._open_reader, self._frames, self._note = open_reader, frames, note
-        self.working: Working | None = None
-        self.written: list[Written] = []
+        self.working: ExportInProgress | None = None
+        self.written: list[ExportedFile] = []
         self.fps: float | None = None
         self._folder: Path | None = None
         self._stop = threading.Event()
@@ -158,7 +158,10 @@ class Exports(Closing):
         if target is None or not target.known:
             raise ValueError(f"there is nothing to write of target {wish.target} yet")
         self._stop.clear()
-        self.working, self._began = Working("tables" if wish.what == "tables" else "annotated video"), time.monotonic()
+        self.working, self._began = (
+            ExportInProgress("tables" if wish.what == "tables" else "annotated video"),
+            time.monotonic(),
+        )
         others = [other for other in targets.values() if other is not target]
         part = part_of(target, self._frames)
         if wish.what == "tables":
@@ -198,14 +201,14 @@ class Exports(Closing):
         return self._folder / name
 
     def _finish(self, path: Path, target: FileTarget, words: str) -> None:
-        done = Written(path.name, target.number, words)
+        done = ExportedFile(path.name, target.number, words)
         self.written = [*(each for each in self.written if each.name != path.name), done]
 
     def _progress(self, name: str, done: int, count: int) -> None:
         passed = max(time.monotonic() - self._began, 1e-6)
         rate = done / passed
         left = (count - done) / rate if rate > 0.0 else None
-        self.working = Working(name, 100.0 * done / max(count, 1), rate, left)
+        self.working = ExportInProgress(name, 100.0 * done / max(count, 1), rate, left)
 
     def _answers(self, target: FileTarget, part: KnownPart) -> Iterator[tuple[int, Answer]]:
         """Yield the indices of frames with what was found there; frames that did not decode are lost."""

@@ -11,7 +11,7 @@ from matchset.app.cli_options import UPRIGHT, TurnOptions
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.live.camera.camera_panel import CameraPanel
-from matchset.live.feed import Feed, News, Seen
+from matchset.live.feed import Feed, News, StreamPicture
 from matchset.live.files.exports import Exports
 from matchset.live.files.panel import FilePanel
 from matchset.live.files.player import Player
@@ -48,7 +48,7 @@ class FileFeed(Feed):
 
     Attributes
     ----------
-    seen : Seen
+    seen : StreamPicture
     length : int or None
         Frames that the file announces.
     frames : FrameList
@@ -77,7 +77,7 @@ class FileFeed(Feed):
         self.title, self._open, self._news, self._note = title, open_source, news, note
         with open_source() as video:
             self.length, self._fps, self._size = video.length, video.fps, (video.width, video.height)
-        self.seen = Seen(None, State(0, 0, 0.0, 0, 0, live=False))
+        self.seen = StreamPicture(None, State(0, 0, 0.0, 0, 0, live=False))
         self.frames = FrameList()
 
         def reader() -> ExactReader:
@@ -172,7 +172,7 @@ class FileFeed(Feed):
         )
         poses = {target.number: target.pose(place) for target in self.tracking.targets.values()}
         known = {number: pose for number, pose in poses.items() if pose is not None}
-        self.seen = Seen(frame, state, known, self.tracking.camera)
+        self.seen = StreamPicture(frame, state, known, self.tracking.camera)
         self._news(0)
 
     def is_old(self, place: int) -> bool:

@@ -9,8 +9,8 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.live.files.messages import Correct
 from matchset.live.targets.messages import Outline, Pick
-from matchset.live.targets.placing import Place, position_of
-from matchset.live.targets.told import About, found_state, lost_state
+from matchset.live.targets.placing import TargetPlace, position_of
+from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
 from matchset.live.wire.state import TargetState
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer, left_out
@@ -130,16 +130,16 @@ class FileTarget:
         answer, pose = self.answer(place), self.pose(place)
         first = self.clicks[min(self.clicks)]
         reading = first.reading if isinstance(first, Pick) else 0
-        about = About(self.number, self.name, self.shape, self.ball, self.readings, reading)
+        about = TargetFacts(self.number, self.name, self.shape, self.ball, self.readings, reading)
         if answer is None:
             return msgspec.structs.replace(lost_state(about, "not tracked here yet"), pending=True)
         if isinstance(answer, Lost):
             return lost_state(about, answer.reason, self._lost_for(place, answer), answer.predicted)
         localizer = self.localizer
         if localizer is None or not isinstance(pose, Pose):
-            return found_state(about, answer, Place())
+            return found_state(about, answer, TargetPlace())
         without = left_out(localizer.camera, localizer.target)
-        return found_state(about, answer, Place(pose, position_of(pose), left_out=without))
+        return found_state(about, answer, TargetPlace(pose, position_of(pose), left_out=without))
 
     def _lost_for(self, place: int, answer: Lost[Any]) -> float:
         last = self.last_found(place)

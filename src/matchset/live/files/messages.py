@@ -4,39 +4,39 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from matchset.live.wire.messages import Number, Px, Up
+from matchset.live.wire.messages import Number, PageMessage, Px
 
 Factor = Annotated[float, msgspec.Meta(ge=0.05, le=16.0)]
 Frames = Annotated[int, msgspec.Meta(ge=-1_000_000, le=1_000_000)]
 
 
-class Play(Up, frozen=True, tag="play"):
+class Play(PageMessage, frozen=True, tag="play"):
     """Play on from here; at the end, from the beginning."""
 
 
-class Pause(Up, frozen=True, tag="pause"):
+class Pause(PageMessage, frozen=True, tag="pause"):
     """Stop at the picture that is shown."""
 
 
-class Step(Up, frozen=True, tag="step"):
+class Step(PageMessage, frozen=True, tag="step"):
     """Stop, and go on by a number of frames; back if it is negative."""
 
     frames: Frames = 1
 
 
-class Seek(Up, frozen=True, tag="seek"):
+class Seek(PageMessage, frozen=True, tag="seek"):
     """Show the frame of this index, or the next one that decodes."""
 
     index: Number
 
 
-class Speed(Up, frozen=True, tag="speed"):
+class Speed(PageMessage, frozen=True, tag="speed"):
     """How fast to play, as a multiple of the real rate."""
 
     factor: Factor
 
 
-class Correct(Up, frozen=True, tag="correct"):
+class Correct(PageMessage, frozen=True, tag="correct"):
     """A target is at this point of a picture, px: follow it anew from there on."""
 
     target: Number
@@ -45,16 +45,16 @@ class Correct(Up, frozen=True, tag="correct"):
     y: Px
 
 
-class Export(Up, frozen=True, tag="export"):
+class Export(PageMessage, frozen=True, tag="export"):
     """Write what was found of a target: its tables, or the annotated video."""
 
     target: Number
     what: Literal["tables", "film"]
 
 
-class StopExport(Up, frozen=True, tag="stop_export"):
+class StopExport(PageMessage, frozen=True, tag="stop_export"):
     """Stop writing; what is not finished is deleted."""
 
 
 Transport = Play | Pause | Step | Seek | Speed
-MESSAGES: tuple[type[Up], ...] = (Play, Pause, Step, Seek, Speed, Correct, Export, StopExport)
+MESSAGES: tuple[type[PageMessage], ...] = (Play, Pause, Step, Seek, Speed, Correct, Export, StopExport)

@@ -7,13 +7,13 @@ import msgspec
 import numpy as np
 
 from matchset.live.feed import Panel
-from matchset.live.files.exports import Exports, Working, Written, part_of
+from matchset.live.files.exports import ExportedFile, ExportInProgress, Exports, part_of
 from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
 from matchset.live.files.player import Player
 from matchset.live.files.tracking import FileTracking
 from matchset.live.targets.crossing import are_one
-from matchset.live.wire.messages import Up
+from matchset.live.wire.messages import PageMessage
 from matchset.media.frame_list import FrameList
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
@@ -87,9 +87,9 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
         What a frame took so far, ms: median, mean, percentile_95, worst.
     left : float or None
         Time until all is tracked, s.
-    working : Working or None
+    working : ExportInProgress or None
         What is being written.
-    written : list of Written
+    written : list of ExportedFile
         What can be downloaded.
     same : str
         Which targets were found on one ball, and where, in words.
@@ -108,8 +108,8 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     rate: float | None = None
     computing: dict[str, float] = {}
     left: float | None = None
-    working: Working | None = None
-    written: list[Written] = []
+    working: ExportInProgress | None = None
+    written: list[ExportedFile] = []
     same: str = ""
 
 
@@ -144,7 +144,7 @@ class FilePanel(Panel):
         self._lines: dict[int, tuple[tuple[int, int, bool], TargetLine]] = {}
         self._same: tuple[list[tuple[int, int]], str] = [], ""
 
-    def take(self, message: Up, page: str) -> None:  # noqa: ARG002
+    def take(self, message: PageMessage, page: str) -> None:  # noqa: ARG002
         """Do what a button says."""
         player = self._player
         match message:

@@ -6,9 +6,9 @@ import time
 from matchset.app.timing.durations import ShownTimes
 from matchset.flight.chain.pilot import Pilot, PilotStep
 from matchset.image.frame import Frame
-from matchset.live.feed import Seen
-from matchset.live.targets.placing import Place, axes_of, position_of
-from matchset.live.targets.told import About, found_state, lost_state
+from matchset.live.feed import StreamPicture
+from matchset.live.targets.placing import TargetPlace, axes_of, position_of
+from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
 from matchset.live.wire.state import State, TargetState
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -25,13 +25,13 @@ class FollowerStream:
 
     Attributes
     ----------
-    seen : Seen
+    seen : StreamPicture
         The newest picture.
     """
 
     def __init__(self, number: int) -> None:
         self.number = number
-        self.seen = Seen(None, State(0, 0, time.monotonic(), 0, 0, fault="getting ready ..."))
+        self.seen = StreamPicture(None, State(0, 0, time.monotonic(), 0, 0, fault="getting ready ..."))
         self._found_time, self._computing = math.nan, ShownTimes()
 
     def show(self, step: PilotStep, sequence: int, rate: float | None, pilot: Pilot) -> None:
@@ -65,26 +65,26 @@ class FollowerStream:
             computing=self._computing.in_ms,
             fault="" if step.frame is not None else "no picture comes",
         )
-        self.seen = Seen(frame, state, {1: step.pose}, pilot.camera.model)
+        self.seen = StreamPicture(frame, state, {1: step.pose}, pilot.camera.model)
 
     def fail(self, words: str, sequence: int) -> None:
         """Show the last picture, and in words what is wrong."""
         old = self.seen.state
         state = State(sequence, old.index, old.time, old.width, old.height, fault=words)
-        self.seen = Seen(self.seen.frame, state)
+        self.seen = StreamPicture(self.seen.frame, state)
 
     def _ball(self, step: PilotStep, pilot: Pilot) -> TargetState:
         """Return what is known of the neighbor's ball."""
-        about = About(1, f"ball of vehicle {self.number + 2}")
+        about = TargetFacts(1, f"ball of vehicle {self.number + 2}")
         if isinstance(step.ball, Lost):
             if math.isnan(self._found_time):
                 self._found_time = step.now
             return lost_state(about, step.ball.reason, step.now - self._found_time)
         self._found_time = step.now
         if not isinstance(step.pose, Pose):
-            return found_state(about, step.ball, Place(step.pose, markers=shapes_of(step)))
+            return found_state(about, step.ball, TargetPlace(step.pose, markers=shapes_of(step)))
         axes = axes_of(step.pose, pilot.camera.model, pilot.parameters.target.radius)
-        return found_state(about, step.ball, Place(step.pose, position_of(step.pose), shapes_of(step), axes))
+        return found_state(about, step.ball, TargetPlace(step.pose, position_of(step.pose), shapes_of(step), axes))
 
 
 def shapes_of(step: PilotStep) -> tuple[Circle, ...]:

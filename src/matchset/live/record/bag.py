@@ -21,7 +21,7 @@ from matchset.flight.recording.ros_messages import (
     ros_topic,
 )
 from matchset.image.frame import Frame
-from matchset.live.feed import Seen
+from matchset.live.feed import StreamPicture
 from matchset.live.wire.state import TargetState
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
@@ -55,7 +55,7 @@ class BagWriter(Closing):
         self._writer = McapWriter(path, [*topics, ros_topic(TF, TRANSFORMS)])
         self._poses: set[str] = set()
 
-    def write(self, number: int, frame: Frame, seen: Seen) -> None:
+    def write(self, number: int, frame: Frame, seen: StreamPicture) -> None:
         """Append a picture with what was found in it.
 
         Raises

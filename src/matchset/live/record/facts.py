@@ -1,4 +1,4 @@
-"""`recording.json`: when a recording began, what each table is of, and how it ended (`Facts`)."""
+"""`recording.json`: when a recording began, what each table is of, and how it ended (`RecordingFacts`)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ from matchset.live.record.stream_files import StreamFiles
 FACTS = "recording.json"
 
 
-class Facts:
+class RecordingFacts:
     """Keeps `recording.json` true while a recording runs: it is written whenever there is another file.
 
     Parameters

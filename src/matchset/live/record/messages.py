@@ -1,12 +1,12 @@
 """What a page says of recording."""
 
-from matchset.live.wire.messages import Up
+from matchset.live.wire.messages import PageMessage
 
 
-class Record(Up, frozen=True, tag="record"):
+class Record(PageMessage, frozen=True, tag="record"):
     """Begin to record, or end it; again does no harm."""
 
     on: bool
 
 
-MESSAGES: tuple[type[Up], ...] = (Record,)
+MESSAGES: tuple[type[PageMessage], ...] = (Record,)

@@ -7,8 +7,8 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.run_folder import output_folder
-from matchset.live.feed import Feed, Seen
-from matchset.live.record.recording import RecordingParameters, RecordingWriter
+from matchset.live.feed import Feed, StreamPicture
+from matchset.live.record.recording import PageRecording, RecordingParameters
 from matchset.live.record.state import RecordState
 from matchset.media.closing import Closing
 
@@ -40,10 +40,10 @@ class PageRecorder(Closing):
         self._parameters = parameters or PageRecorderParameters()
         self._lock = threading.Lock()
         self._feed: Feed | None = None
-        self._running: RecordingWriter | None = None
-        self._ended: deque[RecordingWriter] = deque(maxlen=self._parameters.kept)
+        self._running: PageRecording | None = None
+        self._ended: deque[PageRecording] = deque(maxlen=self._parameters.kept)
 
-    def hear(self, stream: int, seen: Seen) -> None:
+    def hear(self, stream: int, seen: StreamPicture) -> None:
         """Write a picture, if a recording runs."""
         running = self._running
         if running is not None:
@@ -69,9 +69,7 @@ class PageRecorder(Closing):
                 raise ValueError("nothing is shown that could be recorded")
             folder = output_folder(None, "live")
             try:
-                self._running = RecordingWriter(
-                    folder, self._feed.title, self._feed.streams, self._parameters.recording
-                )
+                self._running = PageRecording(folder, self._feed.title, self._feed.streams, self._parameters.recording)
             except OSError as error:
                 raise ValueError(f"cannot write to the folder {folder}: {error.strerror}") from error
 
@@ -113,7 +111,7 @@ class PageRecorder(Closing):
         for each in list(self._ended):
             each.close()
 
-    def _is_running(self) -> RecordingWriter | None:
+    def _is_running(self) -> PageRecording | None:
         """Return the recording that runs; one that has ended by itself is put to the others."""
         if self._running is not None and self._running.has_ended:
             self._ended.appendleft(self._running)

@@ -1,4 +1,4 @@
-"""A stretch of what is shown, in a folder of its own: `RecordingWriter` writes it in a thread, and no loop waits."""
+"""A stretch of what is shown, in a folder of its own: `PageRecording` writes it in a thread, and no loop waits."""
 
 import threading
 import time
@@ -11,8 +11,8 @@ import msgspec
 from matchset.app.disk import MB, SPACE, FreeSpace, SpaceParameters
 from matchset.flight.real_time.background import Background, BackgroundParameters
 from matchset.image.frame import Frame
-from matchset.live.feed import Seen, Stream
-from matchset.live.record.facts import FACTS, Facts
+from matchset.live.feed import Stream, StreamPicture
+from matchset.live.record.facts import FACTS, RecordingFacts
 from matchset.live.record.state import FinishedRecording, RecordedFile, RecordState
 from matchset.live.record.stream_files import FileParameters, StreamFiles
 from matchset.media.closing import Closing
@@ -49,7 +49,7 @@ class RecordingParameters(msgspec.Struct, frozen=True, kw_only=True):
         return max(min(self.waiting, int(self.memory * MB / max(size, 1))), 1)
 
 
-class RecordingWriter(Closing):
+class PageRecording(Closing):
     """Writes each picture with what was found in it.
 
     It ends by itself, with all files whole, if the disk is nearly full or a file cannot be written.
@@ -89,16 +89,18 @@ class RecordingWriter(Closing):
         places = [folder] if len(several) == 1 else several
         files, space = self._parameters.files, self._parameters.space
         self._streams = [StreamFiles(place, number, files, space) for number, place in enumerate(places)]
-        self._facts = Facts(folder / FACTS, title, datetime.now(UTC).isoformat(timespec="milliseconds"))
+        self._facts = RecordingFacts(folder / FACTS, title, datetime.now(UTC).isoformat(timespec="milliseconds"))
         self._last: dict[int, Frame] = {}
         self.result: FinishedRecording | None = None
         self._begin, self._looked, self._size, self._problem = time.monotonic(), -1.0, 0, ""
         self._lock, self._finishing = threading.Lock(), threading.Thread(target=self._finish, name="matchset record")
         size = max((seen.frame.image.nbytes for each in streams if (seen := each.seen).frame is not None), default=0)
         waiting = BackgroundParameters(waiting=self._parameters.most_waiting(size))
-        self._background: Background[tuple[int, Seen]] = Background("recording", self._write, waiting, self._fail)
+        self._background: Background[tuple[int, StreamPicture]] = Background(
+            "recording", self._write, waiting, self._fail
+        )
 
-    def add(self, stream: int, seen: Seen) -> None:
+    def add(self, stream: int, seen: StreamPicture) -> None:
         """Append a picture; never waits. One that was appended before is left out."""
         with self._lock:
             if self.has_ended or seen.frame is None or self._last.get(stream) is seen.frame:
@@ -142,7 +144,7 @@ class RecordingWriter(Closing):
     def _frames(self) -> int:
         return sum(files.count for files in self._streams)
 
-    def _write(self, item: tuple[int, Seen]) -> None:
+    def _write(self, item: tuple[int, StreamPicture]) -> None:
         """Write a picture; in the thread."""
         stream, seen = item
         if stream >= len(self._streams):

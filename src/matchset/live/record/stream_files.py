@@ -12,7 +12,7 @@ from matchset.app.disk import SpaceParameters
 from matchset.app.films.video_writer import FilmWriter, FilmWriterParameters, quick_ending
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.live.feed import Seen
+from matchset.live.feed import StreamPicture
 from matchset.live.record.bag import BagWriter
 from matchset.live.record.target_tables import TargetTables
 from matchset.live.wire.state import State
@@ -89,7 +89,7 @@ class StreamFiles(Closing):
             "cameras": [self._camera_name(number) for number in range(len(self._cameras))],
         }
 
-    def write(self, seen: Seen) -> None:
+    def write(self, seen: StreamPicture) -> None:
         """Append a picture with what was found in it.
 
         Raises

@@ -10,7 +10,7 @@ from matchset.app.locate.rows import POSITION, PoseRow, pose_columns, pose_row
 from matchset.app.tables import RowWriter
 from matchset.app.track.rows import TrackRow, track_table
 from matchset.image.frame import Frame
-from matchset.live.feed import Seen
+from matchset.live.feed import StreamPicture
 from matchset.live.wire.state import TargetState
 from matchset.media.closing import Closing, close_all
 from matchset.shapes.circle import Circle
@@ -42,7 +42,7 @@ class TargetTables(Closing):
         self._poses: dict[int, RowWriter[PoseRow]] = {}
         self.targets: list[dict[str, Any]] = []
 
-    def write(self, number: int, frame: Frame, seen: Seen) -> None:
+    def write(self, number: int, frame: Frame, seen: StreamPicture) -> None:
         """Append the rows of a picture.
 
         Parameters
@@ -51,7 +51,7 @@ class TargetTables(Closing):
             Of the picture, in the recording.
         frame : Frame
             The picture.
-        seen : Seen
+        seen : StreamPicture
 
         Raises
         ------
@@ -72,7 +72,7 @@ class TargetTables(Closing):
         tracks = [table.close for table in self._tracks.values()]
         close_all(*tracks, *(table.close for table in self._poses.values()))
 
-    def _begin(self, target: TargetState, seen: Seen) -> None:
+    def _begin(self, target: TargetState, seen: StreamPicture) -> None:
         ending = "_" + re.sub(r"[^A-Za-z0-9]+", "_", target.name).strip("_") if self._endings else ""
         while ending in self._endings.values():
             ending += f"_{target.id}"
@@ -91,7 +91,7 @@ class TargetTables(Closing):
         return self._poses[target.id]
 
 
-def _pose_row(number: int, time: float, target: TargetState, seen: Seen) -> PoseRow | None:
+def _pose_row(number: int, time: float, target: TargetState, seen: StreamPicture) -> PoseRow | None:
     """Return the row of a pose, of a position where the pose is not told; None where it is not located."""
     pose = seen.poses.get(target.id)
     if pose is not None:

@@ -4,25 +4,25 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
-from matchset.live.wire.messages import Name, Up
+from matchset.live.wire.messages import Name, PageMessage
 
 
-class Show(Up, frozen=True, tag="show"):
+class Show(PageMessage, frozen=True, tag="show"):
     """Show the source of this key in the menu."""
 
     replaces: ClassVar[bool] = True
     key: Name
 
 
-class ShowAddress(Up, frozen=True, tag="show_address"):
+class ShowAddress(PageMessage, frozen=True, tag="show_address"):
     """Show the stream of this URL; over /ws alone."""
 
     replaces: ClassVar[bool] = True
     url: Annotated[str, msgspec.Meta(min_length=1, max_length=2000)]
 
 
-class LookAgain(Up, frozen=True, tag="look_again"):
+class LookAgain(PageMessage, frozen=True, tag="look_again"):
     """Look again which cameras and files there are."""
 
 
-MESSAGES: tuple[type[Up], ...] = (Show, ShowAddress, LookAgain)
+MESSAGES: tuple[type[PageMessage], ...] = (Show, ShowAddress, LookAgain)

@@ -8,7 +8,7 @@ from matchset.live.feed import Panel, Receiver
 from matchset.live.sources.found_sources import Source, address_source
 from matchset.live.sources.messages import MESSAGES, LookAgain, Show, ShowAddress
 from matchset.live.sources.opening import check_source
-from matchset.live.sources.stage import Stage
+from matchset.live.sources.source_selection import SourceSelection
 from matchset.live.sources.thumbnails import Thumbnails
 from matchset.live.sources.uploads import Upload, Uploads
 
@@ -77,7 +77,7 @@ class SourcesPanel(Panel):
 
     Parameters
     ----------
-    stage : Stage
+    stage : SourceSelection
     given : Source, optional
         What the command line names.
     uploads : Uploads, optional
@@ -87,7 +87,7 @@ class SourcesPanel(Panel):
     name = "sources"
     messages = MESSAGES
 
-    def __init__(self, stage: Stage, given: Source | None = None, uploads: Uploads | None = None) -> None:
+    def __init__(self, stage: SourceSelection, given: Source | None = None, uploads: Uploads | None = None) -> None:
         self._stage, self._uploads = stage, uploads
         self._own = [] if given is None else [given]
         self._keys: dict[str, str] = {}

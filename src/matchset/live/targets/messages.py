@@ -4,13 +4,13 @@ from typing import Annotated
 
 import msgspec
 
-from matchset.live.wire.messages import Kernels, Name, Number, Positive, Px, Up
+from matchset.live.wire.messages import Kernels, Name, Number, PageMessage, Positive, Px
 
 Length = Annotated[float, msgspec.Meta(gt=0.0, le=20.0)]
 Sigma = Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
 
 
-class Pick(Up, frozen=True, tag="pick"):
+class Pick(PageMessage, frozen=True, tag="pick"):
     """Follow what is at a point of a picture, px: the likeliest `reading` of it; `shape` is a family of shapes.
 
     `click` is a number that the page gives: the answer carries it.
@@ -30,7 +30,7 @@ class Pick(Up, frozen=True, tag="pick"):
         return Kernels.CIRCLE if self.shape == "circle" else Kernels.ALL
 
 
-class Outline(Up, frozen=True, tag="outline"):
+class Outline(PageMessage, frozen=True, tag="outline"):
     """Follow the shape whose rim was drawn in a picture: x and y of points along it, px, one after the other.
 
     `click` is a number that the page gives: the answer carries it.
@@ -48,27 +48,27 @@ class Outline(Up, frozen=True, tag="outline"):
         return Kernels.CIRCLE if self.shape == "circle" else Kernels.ALL
 
 
-class Hold(Up, frozen=True, tag="hold"):
+class Hold(PageMessage, frozen=True, tag="hold"):
     """Somebody draws in this picture: it is kept until the line is done, however long that takes."""
 
     sequence: Number
     stream: Number = 0
 
 
-class Drop(Up, frozen=True, tag="drop"):
+class Drop(PageMessage, frozen=True, tag="drop"):
     """Do not follow a target any more."""
 
     target: Number
 
 
-class Reread(Up, frozen=True, tag="reread"):
+class Reread(PageMessage, frozen=True, tag="reread"):
     """A target's click means another one of its readings: 1 is the likeliest."""
 
     target: Number
     reading: Annotated[int, msgspec.Meta(ge=1, le=100)]
 
 
-class Diameter(Up, frozen=True, tag="diameter"):
+class Diameter(PageMessage, frozen=True, tag="diameter"):
     """A target's diameter, m; None: not known. `sigma` is its standard deviation, m; 0: taken as exact."""
 
     target: Number
@@ -76,7 +76,7 @@ class Diameter(Up, frozen=True, tag="diameter"):
     sigma: Sigma = 0.0
 
 
-class Marker(Up, frozen=True, tag="marker"):
+class Marker(PageMessage, frozen=True, tag="marker"):
     """A ball has a marker at a point of a picture, px, that is `meters` wide."""
 
     target: Number
@@ -91,7 +91,7 @@ class Marker(Up, frozen=True, tag="marker"):
         return Kernels.ALL
 
 
-class FieldOfView(Up, frozen=True, tag="field_of_view"):
+class FieldOfView(PageMessage, frozen=True, tag="field_of_view"):
     """The camera's horizontal field of view, rad. `sigma` is its standard deviation, rad; 0: taken as exact."""
 
     angle: Annotated[float, msgspec.Meta(gt=0.0, lt=3.1)]
@@ -100,4 +100,4 @@ class FieldOfView(Up, frozen=True, tag="field_of_view"):
 
 Begin = Pick | Outline
 Wish = Pick | Outline | Hold | Drop | Reread | Diameter | Marker | FieldOfView
-MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Hold, Drop, Reread, Diameter, Marker, FieldOfView)
+MESSAGES: tuple[type[PageMessage], ...] = (Pick, Outline, Hold, Drop, Reread, Diameter, Marker, FieldOfView)

@@ -23,7 +23,7 @@ LENGTH = 1.7  # geometry: of the drawn axes, ball radii
 Measured = Mapping[str, tuple[float, float | None]]
 
 
-class Place(NamedTuple):
+class TargetPlace(NamedTuple):
     """Where a target is.
 
     Attributes
@@ -66,16 +66,16 @@ class Placing:
             self._markers = MarkerTracker(marker[0], ball)
         self._localizer, self._left_out = Localizer(camera, ball), left_out(camera, ball)
 
-    def place(self, frame: Frame, track: Track[Any] | Lost[Any]) -> Place:
+    def place(self, frame: Frame, track: Track[Any] | Lost[Any]) -> TargetPlace:
         """Return where a target is in a frame; nowhere if it is no ball."""
         if isinstance(track, Track) and not isinstance(track.shape, Circle):
-            return Place()
+            return TargetPlace()
         markers = () if self._markers is None else self._markers.update(frame, track)
         pose = self._localizer.update(track, markers)
         shapes = tuple(marker.shape for marker in markers)
         if isinstance(pose, Lost):
-            return Place(pose, markers=shapes)
-        return Place(pose, position_of(pose), shapes, axes_of(pose, self._camera, self._radius), self._left_out)
+            return TargetPlace(pose, markers=shapes)
+        return TargetPlace(pose, position_of(pose), shapes, axes_of(pose, self._camera, self._radius), self._left_out)
 
 
 def ball_of(wish: Diameter) -> BallTarget | None:

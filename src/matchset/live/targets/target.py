@@ -14,8 +14,8 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.live.targets.drawn_outline import shape_along
 from matchset.live.targets.messages import Begin, Outline, Pick
-from matchset.live.targets.placing import Place, Placing
-from matchset.live.targets.told import About, found_state, lost_state
+from matchset.live.targets.placing import Placing, TargetPlace
+from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
 from matchset.live.wire.state import TargetState
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.ball_colors import pick_marker
@@ -161,7 +161,7 @@ class Target:
         answer = self.answer
         if answer is None:
             return lost_state(self._about, "not looked for yet")
-        place = Place() if self._placing is None else self._placing.place(frame, answer)
+        place = TargetPlace() if self._placing is None else self._placing.place(frame, answer)
         self.pose = place.pose
         if isinstance(answer, Lost):
             return self._lost(answer)
@@ -184,9 +184,9 @@ class Target:
         return lost_state(self._about, reason)
 
     @property
-    def _about(self) -> About:
+    def _about(self) -> TargetFacts:
         reading = 0 if self.clicked is None else self.clicked[0].reading
-        return About(self.number, self.name, self.shape, self.ball, self.readings, reading)
+        return TargetFacts(self.number, self.name, self.shape, self.ball, self.readings, reading)
 
     def _lost(self, answer: Lost[Any]) -> TargetState:
         since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)

@@ -14,7 +14,7 @@ from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
-from matchset.live.feed import News, Seen
+from matchset.live.feed import News, StreamPicture
 from matchset.live.targets.clicks import CROWDED
 from matchset.live.targets.followed import Followed
 from matchset.live.targets.messages import Outline, Pick, Wish
@@ -64,7 +64,7 @@ class Vision(Closing):
 
     Attributes
     ----------
-    seen : Seen
+    seen : StreamPicture
         The newest picture.
     kept : KeptFrames
     followed : Followed
@@ -81,7 +81,10 @@ class Vision(Closing):
     ) -> None:
         self._open, self._news, self._note = open_source, news or (lambda _: None), note or (lambda _: None)
         self._parameters = parameters or VisionParameters()
-        self.seen, self.kept = Seen(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened")), KeptFrames()
+        self.seen, self.kept = (
+            StreamPicture(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened")),
+            KeptFrames(),
+        )
         self._sequence = 0
         self._size: tuple[int, int, int] | None = None
         self.followed = Followed(self.kept, self._note)
@@ -171,7 +174,7 @@ class Vision(Closing):
         gone = [target.without_picture("no picture comes") for target in self.followed.targets]
         state = msgspec.structs.replace(self.seen.state, sequence=self._sequence, fault=words, targets=gone, fps=None)
         self._done.clear()
-        self.seen = Seen(self.seen.frame, state, camera=self.camera)
+        self.seen = StreamPicture(self.seen.frame, state, camera=self.camera)
         self._news(0)
 
     def _check_size(self, source: Video) -> None:
@@ -236,7 +239,7 @@ class Vision(Closing):
         followed = self.followed.targets
         poses = {target.number: target.pose for target in followed if target.pose is not None}
         names = {target.number: target.parameters for target in followed}
-        self.seen = Seen(frame, state, poses, self.camera, names)
+        self.seen = StreamPicture(frame, state, poses, self.camera, names)
         self._news(0)
 
     def _grant(self) -> None:

@@ -16,11 +16,11 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
-from matchset.live.feed import Charted, Masked, Receiver
+from matchset.live.feed import ChartedStream, MaskedStream, Receiver
 from matchset.live.web.guarded import Guarded
 from matchset.live.web.programs import ProgramRoutes, stream_number, whole
 from matchset.live.web.security import Guard
-from matchset.live.web.viewer import FULL, TOO_MANY, Desk, Viewer, Viewers
+from matchset.live.web.viewer import FULL, TOO_MANY, Viewer, ViewerContext, Viewers
 from matchset.live.wire.flow import SIZES
 from matchset.live.wire.messages import LONGEST
 
@@ -29,12 +29,12 @@ MASK = ("stream", "target", "sequence")
 UPLOAD = 65536  # format: bytes of a file that a page sends; a camera file has some 3000
 
 
-def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
+def make_application(desk: ViewerContext, viewers: Viewers, guard: Guard) -> Starlette:
     """Make the server.
 
     Parameters
     ----------
-    desk : Desk
+    desk : ViewerContext
     viewers : Viewers
         Those that are told of new pictures.
     guard : Guard
@@ -70,7 +70,7 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
 class _Routes:
     """What each address answers."""
 
-    def __init__(self, desk: Desk, viewers: Viewers) -> None:
+    def __init__(self, desk: ViewerContext, viewers: Viewers) -> None:
         self._desk, self._viewers = desk, viewers
 
     async def page(self, websocket: WebSocket) -> None:
@@ -119,7 +119,7 @@ class _Routes:
             return PlainTextResponse(f"{', '.join(MASK)} are whole numbers", 400)
         streams = self._desk.session.streams
         stream = streams[number] if number < len(streams) else None
-        if not isinstance(stream, Masked):
+        if not isinstance(stream, MaskedStream):
             return PlainTextResponse(f"stream {number} has no masks", 404)
         wanted = sequence or stream.seen.state.sequence
         try:
@@ -142,7 +142,7 @@ class _Routes:
         if target is None:
             return PlainTextResponse("target is a whole number", 400)
         for stream in self._desk.session.streams:
-            if isinstance(stream, Charted):
+            if isinstance(stream, ChartedStream):
                 try:
                     course = await asyncio.to_thread(stream.course, target)
                 except ValueError as error:

@@ -9,7 +9,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from matchset.live.feed import Seen
+from matchset.live.feed import StreamPicture
 from matchset.live.session import Session
 from matchset.live.web.viewer import NONSENSE, Viewers
 from matchset.live.wire.packet import STREAMS
@@ -57,11 +57,11 @@ class Program:
     def __init__(self, stream: int, parameters: ProgramParameters | None = None) -> None:
         self._stream, self._parameters = stream, parameters or ProgramParameters()
         self._waiting: deque[State] = deque()
-        self._last: Seen | None = None
+        self._last: StreamPicture | None = None
         self._news, self._ended, self._behind = asyncio.Event(), False, False
         self.skipped = 0
 
-    def offer(self, stream: int, seen: Seen) -> None:
+    def offer(self, stream: int, seen: StreamPicture) -> None:
         """Tell that there is a new picture."""
         if stream != self._stream or seen is self._last:
             return

@@ -10,11 +10,11 @@ from typing import NamedTuple, Protocol
 import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from matchset.live.feed import Seen
+from matchset.live.feed import StreamPicture
 from matchset.live.session import Session
 from matchset.live.web.session_report import SESSION_PERIOD, SessionReport
 from matchset.live.wire.flow import Flow
-from matchset.live.wire.messages import Ack, Reader
+from matchset.live.wire.messages import Ack, PageMessageReader
 from matchset.live.wire.packet import FEEDS, Packet, pack
 from matchset.live.wire.pictures import PictureEncoder
 from matchset.live.wire.state import written
@@ -25,21 +25,21 @@ NONSENSE = 4400  # format: the code with which a session is closed that says non
 LIFE_PERIOD = 1.0  # format: s; a page that hears nothing for two of them connects anew
 
 
-class Desk(NamedTuple):
+class ViewerContext(NamedTuple):
     """What all viewers share.
 
     Attributes
     ----------
     session : Session
     pictures : PictureEncoder
-    reader : Reader
+    reader : PageMessageReader
     report : SessionReport
         Of that session.
     """
 
     session: Session
     pictures: PictureEncoder
-    reader: Reader
+    reader: PageMessageReader
     report: SessionReport
 
 
@@ -48,8 +48,8 @@ class _Sending:
 
     def __init__(self) -> None:
         self.flow, self.age = Flow(), -1.0
-        self.offered: Seen | None = None
-        self.left_out: tuple[Seen, float] | None = None
+        self.offered: StreamPicture | None = None
+        self.left_out: tuple[StreamPicture, float] | None = None
         self.captured: dict[int, float] = {}
 
     def acknowledge(self, sequence: int) -> bool:
@@ -68,7 +68,7 @@ class Viewer:
     ----------
     socket : WebSocket
         Accepted.
-    desk : Desk
+    desk : ViewerContext
 
     Attributes
     ----------
@@ -79,14 +79,14 @@ class Viewer:
     _names = itertools.count(1)
     is_page = True
 
-    def __init__(self, socket: WebSocket, desk: Desk) -> None:
+    def __init__(self, socket: WebSocket, desk: ViewerContext) -> None:
         self.name = f"page {next(self._names)}"
         self._socket, self._desk, self._news = socket, desk, asyncio.Event()
         self._streams: dict[int, _Sending] = {}
         self._feed = 1
         self._lock = asyncio.Lock()
 
-    def offer(self, stream: int, seen: Seen) -> None:
+    def offer(self, stream: int, seen: StreamPicture) -> None:
         """Tell that there is a new picture."""
         sending = self._streams.setdefault(stream, _Sending())
         if sending.flow.offer(seen.state.sequence):
@@ -183,12 +183,12 @@ class Viewer:
                 self._desk.session.note(str(error))
 
 
-class Told(Protocol):
+class Subscriber(Protocol):
     """Who is told of new pictures: a page or a program. All is called in the event loop, and nothing waits."""
 
     is_page: bool
 
-    def offer(self, stream: int, seen: Seen) -> None:
+    def offer(self, stream: int, seen: StreamPicture) -> None:
         """Tell that there is a new picture of a stream."""
         ...
 
@@ -226,14 +226,14 @@ class Viewers:
 
     def __init__(self, parameters: ViewersParameters | None = None) -> None:
         self._parameters = parameters or ViewersParameters()
-        self._viewers: set[Told] = set()
+        self._viewers: set[Subscriber] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def begin(self) -> None:
         """Take the running event loop as that of the pages."""
         self._loop = asyncio.get_running_loop()
 
-    def tell(self, stream: int, seen: Seen) -> None:
+    def tell(self, stream: int, seen: StreamPicture) -> None:
         """Tell all that there is a new picture; from any thread, and never waits."""
         loop = self._loop
         if loop is not None and self._viewers:
@@ -247,7 +247,7 @@ class Viewers:
             with contextlib.suppress(RuntimeError):
                 loop.call_soon_threadsafe(self._restart, session, pictures)
 
-    def _offer(self, stream: int, seen: Seen) -> None:
+    def _offer(self, stream: int, seen: StreamPicture) -> None:
         for viewer in self._viewers:
             viewer.offer(stream, seen)
 
@@ -264,7 +264,7 @@ class Viewers:
         for viewer in self._viewers:
             viewer.end()
 
-    def add(self, viewer: Told) -> bool:
+    def add(self, viewer: Subscriber) -> bool:
         """Add a page or a program; False if as many look as may."""
         most = self._parameters.pages if viewer.is_page else self._parameters.programs
         if sum(each.is_page == viewer.is_page for each in self._viewers) >= most:
@@ -272,7 +272,7 @@ class Viewers:
         self._viewers.add(viewer)
         return True
 
-    def remove(self, viewer: Told) -> None:
+    def remove(self, viewer: Subscriber) -> None:
         """Forget a page or a program."""
         self._viewers.discard(viewer)
 

@@ -21,7 +21,7 @@ class Kernels(enum.IntEnum):
     ALL = 2
 
 
-class Up(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
+class PageMessage(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
     """A message of a page.
 
     Attributes
@@ -38,14 +38,14 @@ class Up(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="typ
         return Kernels.NONE
 
 
-class Ack(Up, frozen=True, tag="ack"):
+class Ack(PageMessage, frozen=True, tag="ack"):
     """A picture of a stream was painted."""
 
     sequence: Number
     stream: Number = 0
 
 
-class Reader:
+class PageMessageReader:
     """Reads the messages of a page.
 
     Parameters
@@ -58,11 +58,11 @@ class Reader:
     types : tuple of types
     """
 
-    def __init__(self, types: Iterable[type[Up]]) -> None:
+    def __init__(self, types: Iterable[type[PageMessage]]) -> None:
         self.types = tuple(types)
         self._decoder: msgspec.json.Decoder[Any] = msgspec.json.Decoder(Union[self.types])  # noqa: UP007
 
-    def read(self, data: str | bytes) -> Up:
+    def read(self, data: str | bytes) -> PageMessage:
         """Read a message.
 
         Raises
@@ -73,7 +73,7 @@ class Reader:
         if len(data) > LONGEST:
             raise ValueError(f"a message has {LONGEST} bytes at most, got {len(data)}")
         try:
-            message: Up = self._decoder.decode(data)
+            message: PageMessage = self._decoder.decode(data)
         except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
             raise ValueError(f"no message of the page: {error}") from None
         return message

@@ -1,4 +1,4 @@
-"""What a ball and its marker look like, as color models: `Colors`, learned from one picture by `learn_colors`."""
+"""What a ball and its marker look like, as color models: `BallColors`, learned from one picture by `learn_colors`."""
 
 from typing import NamedTuple
 
@@ -13,14 +13,14 @@ BALL_BESIDE_MARKER = 0.0625
 SMALLER = 0.6  # geometry: largest radius of a marker, as a share of its ball's
 
 
-class Colors(NamedTuple):
+class BallColors(NamedTuple):
     """Color models of the ball, with its marker, and of the marker: the paper's filters a and b."""
 
     ball: ColorModel
     marker: ColorModel
 
 
-def learn_colors(sample: Frame) -> Colors:
+def learn_colors(sample: Frame) -> BallColors:
     """Learn the colors from a picture of the ball in the middle, its marker toward the camera.
 
     Parameters
@@ -32,7 +32,7 @@ def learn_colors(sample: Frame) -> Colors:
     x, y = (width - 1) / 2.0, (height - 1) / 2.0
     marker = pick_marker(sample.image, x, y)
     ball = ColorModel.pick(sample.image, x - BALL_BESIDE_MARKER * width, y)
-    return Colors(ball | marker, marker)
+    return BallColors(ball | marker, marker)
 
 
 def pick_marker(image: npt.NDArray[np.uint8], x: float, y: float) -> ColorModel:

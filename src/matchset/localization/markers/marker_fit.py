@@ -31,7 +31,7 @@ ZERO, ONE = np.float32(0.0), np.float32(1.0)  # theorem: neutral elements, in si
 TINY = 1e-12  # of sums of squares, by which is divided
 
 
-class Rows(NamedTuple):
+class FitArrays(NamedTuple):
     """Working arrays of a fit, float32."""
 
     table: Singles  # (6 * WIDTH,), of a block: weight, 1 if it counts, residual, its derivatives to x, y, contrast
@@ -40,9 +40,9 @@ class Rows(NamedTuple):
 
 
 @kernel
-def new_rows(count: int) -> Rows:
+def new_rows(count: int) -> FitArrays:
     """Make the working arrays for so many pixels."""
-    return Rows(np.empty(6 * WIDTH, np.float32), np.empty(count, np.float32), np.empty(count, np.float32))
+    return FitArrays(np.empty(6 * WIDTH, np.float32), np.empty(count, np.float32), np.empty(count, np.float32))
 
 
 @kernel(refcount=False, reassociate=True)
@@ -74,7 +74,7 @@ def _compare_block(patch: Patch, work: Any, table: Singles) -> None:
 
 
 @kernel(refcount=False, reassociate=True)
-def _add_block(table: Singles, correlation: float, rows: Rows, sums: Any) -> None:
+def _add_block(table: Singles, correlation: float, rows: FitArrays, sums: Any) -> None:
     """Add a block to the normal equations.
 
     Noise that has been through a filter is correlated between neighbors in a row: of every pixel `correlation` times
@@ -116,7 +116,7 @@ def _dot(one: Singles, other: Singles) -> float:
 
 
 @kernel(refcount=False)
-def sum_equations(patch: Patch, work: Any, rows: Rows) -> None:
+def sum_equations(patch: Patch, work: Any, rows: FitArrays) -> None:
     """Sum up the normal equations of one Gauss-Newton step, and what noise and explained variance are computed from.
 
     Parameters
@@ -125,7 +125,7 @@ def sum_equations(patch: Patch, work: Any, rows: Rows) -> None:
         See `read_patch`.
     work : record of `MarkerWork`
         `window` is read, `sums` are written.
-    rows : Rows, written
+    rows : FitArrays, written
     """
     sums, table, count, stride = work.sums, rows.table, rows.residual.shape[0], work.window.span + 1
     for k in range(10):
@@ -146,7 +146,7 @@ def sum_equations(patch: Patch, work: Any, rows: Rows) -> None:
             patch.brightness[begin:end],
         )
         _compare_block(part, work, table)
-        here = Rows(table, rows.residual[begin:end], rows.weighted[begin:end])
+        here = FitArrays(table, rows.residual[begin:end], rows.weighted[begin:end])
         _add_block(table, work.noise_correlation, here, sums)
         for k in range(6):
             table[k * WIDTH] = table[k * WIDTH + end - begin]

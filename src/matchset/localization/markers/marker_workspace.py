@@ -180,7 +180,7 @@ class Ball:
     field_y: float
 
 
-class Window:
+class MarkerWindow:
     """Where the pixels around a marker are, and the model they are compared with."""
 
     left: int  # of the window in the image, px
@@ -198,7 +198,7 @@ class Window:
     level: float
 
 
-class Sums:
+class WindowSums:
     """Sums over the pixels of a window; the columns are x, y, contrast, level."""
 
     normal: Annotated[Floats, (10,), "f8"]  # products of the columns, row by row up to the diagonal
@@ -246,8 +246,8 @@ class MarkerWork:
     covariance: Annotated[Floats, (CAPACITY, 3, 3), "f8"]  # of x, y and radius, px^2
     rim: Annotated[Floats, (CAPACITY, RIM_POINTS, 2), "f8"]  # points of the ellipse, px
     # of one fit
-    window: Window
-    sums: Sums
+    window: MarkerWindow
+    sums: WindowSums
     result: MarkerResult
     matrix: Annotated[Floats, (16,), "f8"]  # the normal matrix, then its Cholesky factor
     step: Annotated[Floats, (4,), "f8"]

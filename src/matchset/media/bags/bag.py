@@ -17,7 +17,7 @@ from matchset.media.bags.picture_message import KINDS, read_message, stamp_of
 from matchset.media.bags.ros_image import ENCODINGS, IMAGE, Picture, RosPicture
 from matchset.media.bags.rosbag_file import RosbagFile
 from matchset.media.bags.video_messages import DecodedPicture, VideoMessages, codec_of
-from matchset.media.upright.depth import Depth
+from matchset.media.upright.depth import DepthScaling
 from matchset.media.video_files.image_folder import in_order
 from matchset.media.video_files.video_file import check_readable
 
@@ -80,7 +80,7 @@ class Bag:
     dropped = 0
 
     def __init__(self, path: Path, topic: str | None, fps: float | None, damaged: bool = True) -> None:
-        self.path, self.broken, self.damaged, self._depth, self._keeps_damaged = path, 0, 0, Depth(), damaged
+        self.path, self.broken, self.damaged, self._depth, self._keeps_damaged = path, 0, 0, DepthScaling(), damaged
         self._file = open_bag(path)
         try:
             if self._file.cut_off and not self._file.topics:

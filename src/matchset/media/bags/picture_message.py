@@ -4,12 +4,12 @@ from matchset.media.bags import foxglove
 from matchset.media.bags.bag_file import BagMessage
 from matchset.media.bags.packed_fields import ROS1
 from matchset.media.bags.ros_image import COMPRESSED_IMAGE, IMAGE, RosPicture, read_picture, read_stamp, unpacked
-from matchset.media.upright.depth import Depth
+from matchset.media.upright.depth import DepthScaling
 
 KINDS = (IMAGE, COMPRESSED_IMAGE, *foxglove.KINDS)
 
 
-def read_message(message: BagMessage, kind: str, depth: Depth) -> RosPicture:
+def read_message(message: BagMessage, kind: str, depth: DepthScaling) -> RosPicture:
     """Read a message with a picture.
 
     Parameters
@@ -17,7 +17,7 @@ def read_message(message: BagMessage, kind: str, depth: Depth) -> RosPicture:
     message : BagMessage
     kind : str
         One of `KINDS`.
-    depth : Depth
+    depth : DepthScaling
         Of the pictures before it.
 
     Raises

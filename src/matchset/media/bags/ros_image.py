@@ -14,7 +14,7 @@ import numpy.typing as npt
 from matchset.media.bags.packed_fields import NANO, Fields, PackedPicture
 from matchset.media.bags.video_messages import codec_of
 from matchset.media.picture import decode_deep
-from matchset.media.upright.depth import Depth
+from matchset.media.upright.depth import DepthScaling
 
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 # format: byte size, channels and conversion of each encoding; those of OpenCV are the names that ROS gives the pattern
@@ -92,7 +92,7 @@ def read_stamp(data: bytes, ros1: bool) -> int:
     return _header(Fields(data, ros1), ros1)
 
 
-def read_picture(data: bytes, kind: str, ros1: bool, depth: Depth | None = None) -> RosPicture:
+def read_picture(data: bytes, kind: str, ros1: bool, depth: DepthScaling | None = None) -> RosPicture:
     """Read a message with a picture.
 
     Parameters
@@ -103,7 +103,7 @@ def read_picture(data: bytes, kind: str, ros1: bool, depth: Depth | None = None)
         `IMAGE` or `COMPRESSED_IMAGE`.
     ros1 : bool
         Whether it is packed as in ROS 1; otherwise it is CDR.
-    depth : Depth, optional
+    depth : DepthScaling, optional
         That of the pictures before it; by default that of this picture counts.
 
     Returns
@@ -116,7 +116,7 @@ def read_picture(data: bytes, kind: str, ros1: bool, depth: Depth | None = None)
         If the message ends too early or is no plain CDR.
     """
     fields = Fields(data, ros1)
-    stamp, depth = _header(fields, ros1), depth or Depth()
+    stamp, depth = _header(fields, ros1), depth or DepthScaling()
     if kind == COMPRESSED_IMAGE:
         return unpacked(PackedPicture(stamp, fields.string(), bytes(fields.octets())), depth)
     height, width = fields.uint32(), fields.uint32()
@@ -138,13 +138,13 @@ def _header(fields: Fields, ros1: bool) -> int:
     return stamp
 
 
-def unpacked(picture: PackedPicture, depth: Depth) -> RosPicture:
+def unpacked(picture: PackedPicture, depth: DepthScaling) -> RosPicture:
     """Decode a JPEG, PNG or other picture that OpenCV reads; a piece of a video is handed on as it is.
 
     Parameters
     ----------
     picture : PackedPicture
-    depth : Depth
+    depth : DepthScaling
         Of the pictures before it.
 
     Returns
@@ -172,7 +172,7 @@ def _rows(pixels: memoryview, size: tuple[int, int], step: int, pixel: int) -> n
 
 
 def _converted(
-    rows: npt.NDArray[np.uint8], layout: tuple[int, int, int | None], big: bool, depth: Depth
+    rows: npt.NDArray[np.uint8], layout: tuple[int, int, int | None], big: bool, depth: DepthScaling
 ) -> Picture | None:
     """Picture in BGR or gray of the bytes of its rows."""
     size, channels, conversion = layout

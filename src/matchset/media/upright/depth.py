@@ -1,4 +1,4 @@
-"""Pictures of more than eight bits, brought to eight: `Depth`.
+"""Pictures of more than eight bits, brought to eight: `DepthScaling`.
 
 Cameras of 10, 12 and 14 bits store their numbers in 16: as they stand such pictures are nearly black.
 """
@@ -39,7 +39,7 @@ def to_bytes(image: npt.NDArray[np.uint16], bits: int) -> npt.NDArray[np.uint8]:
     return np.asarray(cv2.convertScaleAbs(image, alpha=BRIGHTEST / ((1 << bits) - 1)), np.uint8)
 
 
-class Depth:
+class DepthScaling:
     """Brings the pictures of a source to eight bits, all by the depth of the first one that has more.
 
     Attributes

@@ -8,7 +8,7 @@ from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_limited
 from matchset.image.frame import Frame
 from matchset.media.picture import decode_deep
-from matchset.media.upright.depth import Depth
+from matchset.media.upright.depth import DepthScaling
 
 SUFFIXES = {".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff", ".webp"}
 DEFAULT_FPS = 30.0  # format: a folder states no frame rate
@@ -39,7 +39,7 @@ class ImageFolder:
             raise ValueError(f"no pictures ({', '.join(sorted(SUFFIXES))}) in the folder {path}")
         self.fps, self.length = fps or DEFAULT_FPS, len(self._paths)
         self.broken, self._next = 0, 0
-        self._depth = Depth()
+        self._depth = DepthScaling()
         self._first = self._decode()
         if self._first is None:
             raise ValueError(f"no picture of {path} could be decoded")

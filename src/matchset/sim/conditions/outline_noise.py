@@ -178,7 +178,7 @@ class Deviates(NamedTuple):
     points: Floats
 
 
-class Slip(NamedTuple):
+class OutlineSlip(NamedTuple):
     """How far an outline is off.
 
     Attributes
@@ -212,7 +212,7 @@ def deviates(seed: int, what: int, who: int, step: int) -> Deviates:
     return Deviates(lasting, burst, wrong, float(normal[LASTING]), missed, normal[LASTING + 1 :][:3], normal[-POINTS:])
 
 
-def slip(noise: OutlineNoise, history: list[Deviates], weights: Floats, way: Floats, radius: float) -> Slip:
+def slip(noise: OutlineNoise, history: list[Deviates], weights: Floats, way: Floats, radius: float) -> OutlineSlip:
     """How far center and size of an outline are off, without its points' own noise.
 
     Parameters
@@ -240,4 +240,4 @@ def slip(noise: OutlineNoise, history: list[Deviates], weights: Floats, way: Flo
     larger *= noise.wrong_size * radius
     root = math.sqrt(length)
     center = np.array((x + larger, y - noise.raised_way_px * root))
-    return Slip(center, size + abs(larger) - noise.shrunk_px - noise.shrunk_way_px * root)
+    return OutlineSlip(center, size + abs(larger) - noise.shrunk_px - noise.shrunk_way_px * root)

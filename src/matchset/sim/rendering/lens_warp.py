@@ -134,7 +134,7 @@ class WindowMaps(NamedTuple):
     column_range: Singles
 
 
-class Places(NamedTuple):
+class WarpPlaces(NamedTuple):
     """Where pixels of a row look into a window, to work in.
 
     Parameters
@@ -304,7 +304,7 @@ def _warp_window(
             first, last = min(first, x), x
     count = max(last + 1 - first, 0)
     around = np.empty((4, count), np.uint32)
-    places = Places(np.empty(count, np.int32), np.empty(count, np.uint32), np.empty((2, count), np.float32))
+    places = WarpPlaces(np.empty(count, np.int32), np.empty(count, np.uint32), np.empty((2, count), np.float32))
     for r in range(maps.row_range.shape[0]):
         if maps.row_range[r, 1] < top or maps.row_range[r, 0] >= bottom:
             continue
@@ -316,7 +316,7 @@ def _warp_window(
 
 @kernel
 def _find_places(
-    across: Singles, down: Singles, corner: tuple[int, int], shape: tuple[int, int], places: Places
+    across: Singles, down: Singles, corner: tuple[int, int], shape: tuple[int, int], places: WarpPlaces
 ) -> None:
     """Write where the pixels of a row look into a window, of which the upper left corner and the shape are given."""
     left, top = np.int32(corner[0]), np.int32(corner[1])
@@ -334,7 +334,7 @@ def _find_places(
 
 
 @kernel
-def _mix_inside(around: PackedPixels, places: Places, line: PackedPixels) -> None:
+def _mix_inside(around: PackedPixels, places: WarpPlaces, line: PackedPixels) -> None:
     """Write those pixels of a row that look into a window: of four of its pixels each their mean, rounded."""
     here, right, under, across = around[0], around[1], around[2], around[3]
     inside, along, along_y = places.inside, places.shares[0], places.shares[1]

@@ -23,8 +23,8 @@ from matchset.image.disc_network.polar_patch import colors_of
 from matchset.numeric.jit import collection_paused
 from matchset.shapes.shape import Shape
 from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
+from matchset.tracking.ball.distractors import Distractors
 from matchset.tracking.ball.judge import NetworkParameters, covariance_of, likeliest
-from matchset.tracking.ball.others import Others
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate, gate_of
 from matchset.tracking.parameters import TrackerParameters
@@ -97,7 +97,7 @@ class LostBall:
 
     def __init__(self, step: TrackStep[Any], parameters: TrackerParameters, detectors: Detectors[Any]) -> None:
         self._step, self._parameters, self._detectors = step, parameters, detectors
-        self._search, self._others = DiscSearch(parameters.disc_search), Others(parameters.others)
+        self._search, self._others = DiscSearch(parameters.disc_search), Distractors(parameters.others)
         self._color: Floats | None = None
         self._half_width, self._pictures = 0.0, 0
         self.seen = False

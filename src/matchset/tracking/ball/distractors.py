@@ -1,4 +1,4 @@
-"""What was seen beside the target while that was seen, and is not the target when it is hidden: `Others`.
+"""What was seen beside the target while that was seen, and is not the target when it is hidden: `Distractors`.
 
 A mark of the target's color, a second ball or a lamp may look just as the target does. That it was there while the
 target was elsewhere tells them apart. They are found by the network of discs like a lost target, in part after part of
@@ -45,7 +45,7 @@ class OthersParameters(msgspec.Struct, frozen=True):
     most: int = 16
 
 
-class Others:
+class Distractors:
     """Remembers what is not the target.
 
     Parameters

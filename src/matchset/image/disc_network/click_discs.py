@@ -67,7 +67,7 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     same: float = 0.5
 
 
-class Weighed(msgspec.Struct, frozen=True):
+class WeighedDisc(msgspec.Struct, frozen=True):
     """A disc that a click may mean: its circle, px, and its merit, the logarithm of how likely it is beside others."""
 
     circle: Circle3
@@ -76,7 +76,7 @@ class Weighed(msgspec.Struct, frozen=True):
 
 def discs_at(
     image: Image, x: float, y: float, others: Sequence[Circle3], limits: BallAtClickParameters
-) -> list[Weighed]:
+) -> list[WeighedDisc]:
     """Find the discs around a click that may be balls.
 
     Parameters
@@ -90,7 +90,7 @@ def discs_at(
 
     Returns
     -------
-    list of Weighed
+    list of WeighedDisc
         Each the mean of those that are the same ball.
     """
     if not limits.used:
@@ -101,7 +101,7 @@ def discs_at(
         merits = np.array([disc.log_odds + limits.precision * _clarity(disc) for disc in left])
         same = are_same(left, left[int(merits.argmax())], limits.same)
         merit = float(merits.max()) + limits.ways * math.log(same.sum())
-        found.append(Weighed(mean_disc(left, merits, limits.same).circle, merit))
+        found.append(WeighedDisc(mean_disc(left, merits, limits.same).circle, merit))
         left = [disc for disc, is_same in zip(left, same, strict=True) if not is_same]
     return found
 

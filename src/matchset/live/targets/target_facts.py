@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from matchset.live.targets.placing import Place
+from matchset.live.targets.placing import TargetPlace
 from matchset.live.wire.state import TargetState
 from matchset.localization.ball_target import BallTarget
 from matchset.shapes.shape import Shape, outline
@@ -17,7 +17,7 @@ MARKER_POINTS = 24  # geometry: of a marker's
 TENTH = 10.0  # format: coordinates on the screen have one decimal
 
 
-class About(NamedTuple):
+class TargetFacts(NamedTuple):
     """What is told of a target in every picture.
 
     Attributes
@@ -42,7 +42,7 @@ class About(NamedTuple):
     reading: int = 0
 
 
-def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
+def found_state(about: TargetFacts, track: Track[Any], place: TargetPlace) -> TargetState:
     """Return what is told of a target that is found."""
     return TargetState(
         about.number,
@@ -64,12 +64,12 @@ def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
     )
 
 
-def lost_state(about: About, reason: str, lost_for: float = 0.0, predicted: Shape | None = None) -> TargetState:
+def lost_state(about: TargetFacts, reason: str, lost_for: float = 0.0, predicted: Shape | None = None) -> TargetState:
     """Return what is told of a target that is lost.
 
     Parameters
     ----------
-    about : About
+    about : TargetFacts
     reason : str
     lost_for : float
         s

@@ -1,4 +1,4 @@
-"""Changes what is shown, in a thread of its own: closing a camera and opening another may take seconds (`Stage`)."""
+"""Changes what is shown, in a thread of its own, since to open a camera may take seconds: `SourceSelection`."""
 
 import threading
 import traceback
@@ -12,7 +12,7 @@ from matchset.live.sources.found_sources import Source, Sources, find_sources
 from matchset.media.closing import Closing
 
 
-class Stage(Closing):
+class SourceSelection(Closing):
     """What there is, and which of it is shown.
 
     Parameters

@@ -1,20 +1,20 @@
-"""What the calibrations need of a source that is shown: `Shown`, `newest_pictures`."""
+"""What the calibrations need of a source that is shown: `CameraSource`, `newest_pictures`."""
 
 import threading
 from collections.abc import Iterator
 from typing import Protocol
 
 from matchset.camera.camera_model import CameraModel
-from matchset.live.feed import Seen
+from matchset.live.feed import StreamPicture
 
 POLL = 0.01  # format: s between two looks for a new picture
 
 
-class Shown(Protocol):
+class CameraSource(Protocol):
     """A source whose camera can be told."""
 
     @property
-    def seen(self) -> Seen:
+    def seen(self) -> StreamPicture:
         """The newest picture."""
         ...
 
@@ -23,7 +23,7 @@ class Shown(Protocol):
         ...
 
 
-def newest_pictures(shown: Shown, stop: threading.Event) -> Iterator[Seen]:
+def newest_pictures(shown: CameraSource, stop: threading.Event) -> Iterator[StreamPicture]:
     """Yield each new picture, the newest if some came meanwhile, until `stop` is set."""
     last = None
     while not stop.is_set():

@@ -157,6 +157,16 @@ def _imported_modules(name: str) -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
+def test_no_public_class_has_the_name_of_another_one() -> None:
+    """Who reads a name in a traceback knows where it stands."""
+    where: dict[str, list[str]] = {}
+    for name in FILES:
+        for node in tree(name).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                where.setdefault(node.name, []).append(name)
+    assert not {name: files for name, files in where.items() if len(files) > 1}
+
+
 def test_only_the_jit_policy_imports_numba() -> None:
     assert not violations(lambda name: name != "numeric/jit.py" and roots(name) & {"numba", "llvmlite"})
 

@@ -1,7 +1,7 @@
 """The tables of docs/live.md that follow from the code: messages and states.
 
 `python docs/site/live_tables.py` writes them into the page.
-`tests/app/live/test_live_docs.py` compares.
+`tests/live/test_live_docs.py` compares.
 """
 
 import re

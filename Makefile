@@ -1,6 +1,6 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights evidence bench-radio \
+.PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights hypotheses evidence bench-radio \
     bench-real toolchain soak wheel-check release-check first-picture as-typed link-peers clean
 
 BIN := .venv/bin
@@ -10,6 +10,7 @@ PEERS := .bench/ready
 VISP := .bench/visp
 BETAFLIGHT := .bench/betaflight/betaflight
 SITE_TOOLS := .venv/site-tools
+PYTORCH := .venv/pytorch
 TOOLCHAIN := .venv/toolchain
 BROWSER := .venv/browser
 RTSP := .venv/rtsp
@@ -63,8 +64,11 @@ bench-real: $(PEERS)  ## real footage and times, as a user has them, against wha
 bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
 
-weights: $(READY)  ## fit the weights of hypotheses and of first sight again (ten minutes)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.weights $(ARGS)
+weights: $(PYTORCH)  ## make weights of the network of discs from nothing, with PyTorch (an hour; ARGS="FOLDER of photographs")
+	$(ONE_THREAD) $(BIN)/python -m training $(or $(ARGS),../photographs)
+
+hypotheses: $(READY)  ## fit the weights of hypotheses and of first sight again (ten minutes)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.hypotheses $(ARGS)
 
 evidence: $(READY)  ## fit the weights of the evidence for a detection again (some minutes; ARGS="--data DIR")
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.evidence $(ARGS)
@@ -121,6 +125,10 @@ $(READY): $(PACKAGE) .ci/tools .ci/requirements.lock
 
 $(SITE_TOOLS): pyproject.toml | $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group docs
+	touch $@
+
+$(PYTORCH): pyproject.toml | $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group training
 	touch $@
 
 .mavlink/ready .tello/ready: .%/ready: .ci/setup-% | $(READY)

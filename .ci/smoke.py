@@ -12,7 +12,8 @@ import venv
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-NOT_PACKED = "tests/", ".ci/", ".venv/", "benchmarks/", ".github/"  # format: nothing of these is in an sdist
+# format: nothing of these is in an sdist
+NOT_PACKED = "tests/", ".ci/", ".venv/", "benchmarks/", "training/", ".github/"
 IN_SOURCE = "pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "src/matchset/sim/vehicle.toml"
 
 PROGRAM = """

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = ("src/matchset", "benchmarks", "examples")
+FOLDERS = ("src/matchset", "benchmarks", "training", "examples")
 
 
 def purpose(path: Path) -> str:

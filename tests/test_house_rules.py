@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src" / "matchset"
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 FOLDERS = sorted(
     folder.relative_to(ROOT).as_posix()
-    for top in (PACKAGE, ROOT / "benchmarks")
+    for top in (PACKAGE, ROOT / "benchmarks", ROOT / "training")
     for folder in [top, *top.rglob("*")]
     if folder.is_dir() and any(folder.glob("*.py"))
 )

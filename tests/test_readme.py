@@ -61,12 +61,12 @@ def test_every_folder_has_its_line() -> None:
         assert named == folders(package / folder), folder
     beside = re.findall(r"^(\w+)/ ", house, re.MULTILINE)
     tracked = {path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".")}
-    assert set(beside) == (tracked & {"firmware", "benchmarks", "examples", "tests", "docs"})
+    assert set(beside) == (tracked & {"firmware", "benchmarks", "training", "examples", "tests", "docs"})
     for folder in beside:
         line = re.search(rf"^{folder}/ .*", house, re.MULTILINE)
         assert line is not None
         assert all((ROOT / folder / name).is_dir() for name in set(re.findall(r"(\w+)/", line[0])) - {folder, "src"})
-    assert folders(ROOT / "benchmarks") <= set(re.findall(r"(\w+)/", house))
+    assert folders(ROOT / "benchmarks") | folders(ROOT / "training") <= set(re.findall(r"(\w+)/", house))
 
 
 def test_pages_that_the_readme_points_to_exist() -> None:

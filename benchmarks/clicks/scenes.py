@@ -7,8 +7,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import numpy.typing as npt
-
-from benchmarks.training.layers import (
+from training.rendering.layers import (
     Random,
     Singles,
     any_angle,

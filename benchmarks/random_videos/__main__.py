@@ -1,6 +1,6 @@
 """Follow random videos beside what people use: `python -m benchmarks.random_videos FOLDER`.
 
-FOLDER has photographs, such as `python -m benchmarks.training.photographs FOLDER` fetches. Everybody is told the circle
+FOLDER has photographs, such as `python -m training.rendering.photographs FOLDER` fetches. Everybody is told the circle
 in the first frame, matchset a click on its left half, as in the contest. `--sheet FILE` draws pictures of them instead.
 """
 

@@ -4,12 +4,12 @@ from functools import cache
 from pathlib import Path
 
 import msgspec
+from training.rendering.photographs import PhotographParameters, Photographs
 
 from benchmarks.common.start import Start
 from benchmarks.contest.field import OURS, peer
 from benchmarks.contest.run import answers_of, begun, frames_of
 from benchmarks.random_videos.video import FRAMES_PER_SECOND, VideoParameters, frames
-from benchmarks.training.photographs import PhotographParameters, Photographs
 from matchset.app.track.score import Score, TruthRow, score
 
 PEERS = (OURS, "hobby", "contour_moments", "cam_shift", "region_bgr")

@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import msgspec
 import numpy as np
-
-from benchmarks.training.layers import Counts, Floats, Random, Range, count_within, happens, log_within, which, within
+from training.rendering.layers import Counts, Floats, Random, Range, count_within, happens, log_within, which, within
 
 REACH = 3  # standard deviations: where a Gaussian kernel ends
 

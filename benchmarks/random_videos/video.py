@@ -7,18 +7,8 @@ from typing import NamedTuple
 import cv2
 import msgspec
 import numpy as np
-
-import matchset as ms
-from benchmarks.random_videos.motion import (
-    BallMotionParameters,
-    BallWay,
-    CameraMotionParameters,
-    CameraWay,
-    ball_way,
-    camera_way,
-)
-from benchmarks.training.ball import BallColorParameters, BallParameters, ball_colors, surface_normal
-from benchmarks.training.layers import (
+from training.rendering.ball import BallColorParameters, BallParameters, ball_colors, surface_normal
+from training.rendering.layers import (
     FULL,
     Floats,
     Random,
@@ -33,8 +23,18 @@ from benchmarks.training.layers import (
     over,
     within,
 )
-from benchmarks.training.light import LightParameters, lit
-from benchmarks.training.photographs import Photographs
+from training.rendering.light import LightParameters, lit
+from training.rendering.photographs import Photographs
+
+import matchset as ms
+from benchmarks.random_videos.motion import (
+    BallMotionParameters,
+    BallWay,
+    CameraMotionParameters,
+    CameraWay,
+    ball_way,
+    camera_way,
+)
 from matchset.app.track.score import Circle3, TruthRow
 from matchset.sim.digital_camera.control_steps import ControlSteps
 from matchset.sim.digital_camera.digital_camera import CameraPipeline, DigitalCamera

@@ -25,7 +25,7 @@ def job_of(data: Path, photographs: Path, quick: bool) -> tuple[Job, list[str]]:
     clips, notes = find_clips(data)
     there = photographs if photographs.is_dir() else None
     if there is None and not quick:
-        notes.append(f"no photographs in {photographs} (python -m benchmarks.training.photographs {photographs})")
+        notes.append(f"no photographs in {photographs} (python -m training.rendering.photographs {photographs})")
     return Job(clips, data, there, quick), notes
 
 

@@ -9,9 +9,9 @@ from benchmarks.random_videos.__main__ import lines, strip, summary
 from benchmarks.random_videos.following import PEERS, Task, follow
 from benchmarks.random_videos.motion import BallMotionParameters, CameraMotionParameters, ball_way, camera_way
 from benchmarks.random_videos.video import VideoParameters, frames
-from benchmarks.training.ball import BallColorParameters, BallParameters, PatternParameters
-from benchmarks.training.light import LightParameters
-from benchmarks.training.photographs import PhotographParameters, Photographs
+from training.rendering.ball import BallColorParameters, BallParameters, PatternParameters
+from training.rendering.light import LightParameters
+from training.rendering.photographs import PhotographParameters, Photographs
 
 import matchset as ms
 from matchset.app.track.score import TruthRow

@@ -87,7 +87,7 @@ class ValidationParameters(msgspec.Struct, frozen=True):
 
     `ambiguous_msac_score`, `color_score`, `small_color_score`, `tiny_color_score`, `expected_factor`,
     `detection_interior`, `detection_core`, `detection_rim`, `round_harmonic`, `harmonic_penalty`, `hidden_penalty` and
-    `hint_leeway`: fitted again by `make weights`; no other value was better by 1 % on both sets of seeds
+    `hint_leeway`: fitted again by `make hypotheses`; no other value was better by 1 % on both sets of seeds
     (docs/log/fitting.md#hypothesis-weights).
     The others are chosen by hand; `python -m benchmarks --only false_locks` (too much is believed) and `--only
     reacquisition` (too little) would show a change.

@@ -22,7 +22,7 @@ from matchset.tracking.too_near import TooNearParameters
 class ConfidenceParameters(msgspec.Struct, frozen=True):
     """How long a shape may be seen faintly.
 
-    `faint_score`: fitted again by `make weights`; no other value was better by 1 % on both sets of seeds
+    `faint_score`: fitted again by `make hypotheses`; no other value was better by 1 % on both sets of seeds
     (docs/log/fitting.md#hypothesis-weights).
     The others chosen by hand; `python -m benchmarks --only false_locks` would show a change.
 

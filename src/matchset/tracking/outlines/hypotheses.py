@@ -30,7 +30,7 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
     """Which other hypotheses are tested, and how they are scored.
 
     `larger`, `smaller`, `better`, `mode_gain`, `mode_score`, `interior_weight`, `change_weight` and `prediction_px`:
-    fitted again by `make weights`; no other value was better by 1 % on both sets of seeds
+    fitted again by `make hypotheses`; no other value was better by 1 % on both sets of seeds
     (docs/log/fitting.md#hypothesis-weights). Where nothing
     else is said, the others were chosen by hand; `python -m benchmarks --only false_locks` would show a change.
 

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from benchmarks.training.layers import (
+from matchset.image.disc_network.patch_format import Circle3
+from training.rendering.layers import (
     Counts,
     MaterialParameters,
     Random,
@@ -23,7 +24,6 @@ from benchmarks.training.layers import (
     surface,
     within,
 )
-from matchset.image.disc_network.patch_format import Circle3
 
 Colors = tuple[Range, Range, Range]
 

@@ -11,11 +11,12 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.training.ball import BallParameters, ball_colors, surface_normal
-from benchmarks.training.camera import CameraParameters, VideoParameters, taken, through_video
-from benchmarks.training.covers import CoverParameters, with_covers
-from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
-from benchmarks.training.layers import (
+from matchset.image.disc_network.patch_format import Circle3, Image
+from training.rendering.ball import BallParameters, ball_colors, surface_normal
+from training.rendering.camera import CameraParameters, VideoParameters, taken, through_video
+from training.rendering.covers import CoverParameters, with_covers
+from training.rendering.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
+from training.rendering.layers import (
     FINE,
     FULL,
     SHIFT,
@@ -38,10 +39,9 @@ from benchmarks.training.layers import (
     surface,
     within,
 )
-from benchmarks.training.light import LightParameters, lit
-from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
-from benchmarks.training.photographs import Photographs
-from matchset.image.disc_network.patch_format import Circle3, Image
+from training.rendering.light import LightParameters, lit
+from training.rendering.other_shapes import OtherShapeParameters, other_shape
+from training.rendering.photographs import Photographs
 
 STILL = 0.0, 0.0
 

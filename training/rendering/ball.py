@@ -7,7 +7,8 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.training.layers import (
+from matchset.image.disc_network.patch_format import Circle3
+from training.rendering.layers import (
     FULL,
     Counts,
     Floats,
@@ -25,7 +26,6 @@ from benchmarks.training.layers import (
     which,
     within,
 )
-from matchset.image.disc_network.patch_format import Circle3
 
 
 class BallColorParameters(msgspec.Struct, frozen=True):

@@ -6,22 +6,22 @@ import cv2
 import msgspec
 import numpy as np
 import pytest
-from benchmarks.training.ball import (
+from training.examples import ExampleParameters, Examples, make_examples, read_examples, write_examples
+from training.rendering.ball import (
     BallColorParameters,
     BallParameters,
     PatternParameters,
     ball_colors,
     surface_normal,
 )
-from benchmarks.training.camera import CameraParameters, VideoParameters, through_video
-from benchmarks.training.covers import CoverParameters, with_covers
-from benchmarks.training.examples import ExampleParameters, Examples, make_examples, read_examples, write_examples
-from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
-from benchmarks.training.layers import band, disc, offsets, which, within
-from benchmarks.training.light import LightParameters
-from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
-from benchmarks.training.photographs import REPOSITORY, PhotographParameters, Photographs, fetch, find_photographs
-from benchmarks.training.scene import BackgroundParameters, Scene, SceneParameters, render
+from training.rendering.camera import CameraParameters, VideoParameters, through_video
+from training.rendering.covers import CoverParameters, with_covers
+from training.rendering.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
+from training.rendering.layers import band, disc, offsets, which, within
+from training.rendering.light import LightParameters
+from training.rendering.other_shapes import OtherShapeParameters, other_shape
+from training.rendering.photographs import REPOSITORY, PhotographParameters, Photographs, fetch, find_photographs
+from training.rendering.scene import BackgroundParameters, Scene, SceneParameters, render
 
 from matchset.image.disc_network.patch_format import DIRECTIONS, RADII
 

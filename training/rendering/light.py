@@ -6,7 +6,7 @@ Light of one direction and of the surroundings, shade below, a dark rim, a highl
 import msgspec
 import numpy as np
 
-from benchmarks.training.layers import FULL, Floats, Offsets, Random, Range, Singles, happens, unit, within
+from training.rendering.layers import FULL, Floats, Offsets, Random, Range, Singles, happens, unit, within
 
 TOWARD_CAMERA = np.array((0.0, 0.0, 1.0))
 

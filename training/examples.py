@@ -1,6 +1,6 @@
 """Examples to learn from: patches around circles near a rendered ball, and where the ball is from there.
 
-    python -m benchmarks.training.examples OUT --photographs FOLDER --seed 31 --scenes 14000
+    python -m training.examples OUT --photographs FOLDER --seed 31 --scenes 14000
 
 writes `patches`, float16 of shape (n, 64, 32, 6), as the package's `read_patch` gives them, and `targets`, float32 of
 shape (n, 4): how far the ball's center is along x and y, how much larger its radius is, all in radii of the circle, and
@@ -17,11 +17,11 @@ import numpy as np
 import numpy.typing as npt
 import typer
 
-from benchmarks.training.layers import FULL, Floats, Random, Range, Singles, any_angle, away, happens, which, within
-from benchmarks.training.photographs import Photographs
-from benchmarks.training.scene import Scene, SceneParameters, render
 from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RAYS, Circle3, Colors
 from matchset.image.disc_network.polar_patch import colors_of, read_patch
+from training.rendering.layers import FULL, Floats, Random, Range, Singles, any_angle, away, happens, which, within
+from training.rendering.photographs import Photographs
+from training.rendering.scene import Scene, SceneParameters, render
 
 Halves = npt.NDArray[np.float16]
 

@@ -1,6 +1,6 @@
 """Learn the weights of the network from examples, with PyTorch.
 
-    python -m benchmarks.training.train EXAMPLES... --out weights.npz --minutes 30 [--begin earlier.pt]
+    python -m training.train EXAMPLES... --out weights.npz --steps 10000 [--begin earlier.pt]
 
 The network says of a circle where the ball is from it and how sure that is, as a precision, and whether there is one.
 Of a ball the likelihood of Student's t with that precision counts, which a few circles that were led astray do not
@@ -9,8 +9,8 @@ Beside `weights.npz`, in half precision, there will be `weights.pt`, to go on fr
 """
 
 import copy
+import itertools
 import math
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -22,11 +22,11 @@ import torch
 import typer
 from torch.nn import functional
 
-from benchmarks.pruning.silent import with_silent
-from benchmarks.training.augmentation import AugmentationParameters, varied
-from benchmarks.training.examples import Examples, read_examples
 from matchset.image.disc_network.look import LOG_PRECISIONS, MOVES, PRECISION, STEPS
 from matchset.image.disc_network.patch_format import NUMBERS, PLACES
+from training.augmentation import AugmentationParameters, varied
+from training.examples import Examples, read_examples
+from training.silent import with_silent
 
 KERNEL = 5  # rays that a convolution sees at once
 COORDINATES = 3  # of a circle
@@ -263,7 +263,7 @@ def held_back(count: int, limits: LearningParameters) -> int:
 
 
 def _rate(step: int, done: float, limits: LearningParameters) -> float:
-    """Step size: rises at first, falls as a cosine with the share of the time that is over."""
+    """Step size: rises at first, falls as a cosine with the share of the steps that is over."""
     rise = min(1.0, step / limits.first_steps + limits.first_rate)
     return limits.rate * rise * max(0.5 * (1.0 + math.cos(math.pi * min(done, 1.0))), limits.last_rate)
 
@@ -291,7 +291,7 @@ class Learner:
         self._steps = 0
 
     def learn(self, patches: torch.Tensor, targets: torch.Tensor, done: float) -> float:
-        """Take a step by a batch of examples, after a share of the time; gives its loss."""
+        """Take a step by a batch of examples, after a share of all; gives its loss."""
         limits = self._limits
         for group in self._optimizer.param_groups:
             group["lr"] = _rate(self._steps, done, limits)
@@ -315,14 +315,14 @@ class Learner:
             yield np.sort(order[start : start + self._limits.batch])
 
 
-def train(examples: Examples, minutes: float, learner: Learner, limits: LearningParameters) -> Score:
-    """Learn from examples for some time, and say after each round how good that is.
+def train(examples: Examples, steps: int, learner: Learner, limits: LearningParameters) -> Score:
+    """Learn from examples, and say after each round of them how good that is.
 
     Parameters
     ----------
     examples : Examples
-    minutes : float
-        Wall time.
+    steps : int
+        Batches that are learned from. Counted and not timed, so that the same examples give the same weights again.
     learner : Learner
     limits : LearningParameters
 
@@ -333,24 +333,22 @@ def train(examples: Examples, minutes: float, learner: Learner, limits: Learning
     """
     patches, targets = torch.from_numpy(examples.patches), torch.from_numpy(examples.targets)
     held = held_back(len(targets), limits)
-    begun, done = time.monotonic(), 0.0
+    taken = 0
     while True:
         losses = []
-        for chosen in learner.batches(len(targets), held):
-            done = (time.monotonic() - begun) / (60.0 * minutes)
-            if done >= 1.0:
-                break
-            losses.append(learner.learn(patches[chosen].float(), targets[chosen], done))
+        for chosen in itertools.islice(learner.batches(len(targets), held), steps - taken):
+            losses.append(learner.learn(patches[chosen].float(), targets[chosen], taken / steps))
+            taken += 1
         score = score_of(learner.average, patches[:held], targets[:held], limits)
-        if done >= 1.0:
+        if taken == steps:
             return score
-        typer.echo(f"{done:4.0%} of the time, loss {np.mean(losses):.3f}; held back: {score}")
+        typer.echo(f"{taken} of {steps} steps, loss {np.mean(losses):.3f}; held back: {score}")
 
 
 def main(
-    examples: Annotated[list[Path], typer.Argument(help="Files of `python -m benchmarks.training.examples`.")],
+    examples: Annotated[list[Path], typer.Argument(help="Files of `python -m training.examples`.")],
     out: Annotated[Path, typer.Option(help="Weights to write, .npz; their state goes beside it, .pt.")],
-    minutes: Annotated[float, typer.Option(help="How long to learn.", min=0.01)] = 30.0,
+    steps: Annotated[int, typer.Option(help="Batches to learn from.", min=1)] = 10000,
     begin: Annotated[Path | None, typer.Option(help="Weights to begin with, .pt or .npz.")] = None,
     width: Annotated[int, typer.Option(help="Numbers that are known of a ray.", min=1)] = NetworkParameters().width,
     threads: Annotated[int, typer.Option(help="Threads of PyTorch.", min=1)] = 1,
@@ -360,7 +358,7 @@ def main(
     limits = LearningParameters(network=NetworkParameters(width))
     learner, read = Learner(limits, begin), read_examples(examples)
     try:
-        score = train(read, minutes, learner, limits)
+        score = train(read, steps, learner, limits)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     export(learner.average, out)

@@ -3,8 +3,9 @@
 import msgspec
 import numpy as np
 
-from benchmarks.training.hands import Colors, skin_color
-from benchmarks.training.layers import (
+from matchset.image.disc_network.patch_format import Circle3
+from training.rendering.hands import Colors, skin_color
+from training.rendering.layers import (
     BlobParameters,
     Counts,
     MaterialParameters,
@@ -26,8 +27,7 @@ from benchmarks.training.layers import (
     which,
     within,
 )
-from benchmarks.training.photographs import Photographs
-from matchset.image.disc_network.patch_format import Circle3
+from training.rendering.photographs import Photographs
 
 ENDLESS = 1e9  # px: width of what has one edge only
 

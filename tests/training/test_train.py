@@ -8,12 +8,12 @@ import pytest
 pytest.importorskip("torch")
 
 import torch
-from benchmarks.pruning.silent import with_silent
-from benchmarks.training import train
-from benchmarks.training.augmentation import AugmentationParameters, varied
-from benchmarks.training.examples import Examples
+from training.augmentation import AugmentationParameters, varied
+from training.examples import Examples
+from training.silent import with_silent
 
 from matchset.image.disc_network.network import FILE, DiscNetwork
+from training import train
 
 SMALL = train.NetworkParameters(width=12)
 
@@ -127,7 +127,7 @@ def test_a_network_learns_and_is_judged_on_what_it_has_not_seen() -> None:
     targets = np.zeros((400, 4), np.float32)
     targets[:, 3] = there
     limits = train.LearningParameters(network=SMALL, batch=32, first_steps=5)
-    score = train.train(Examples(patches, targets), 0.05, train.Learner(limits), limits)
+    score = train.train(Examples(patches, targets), 400, train.Learner(limits), limits)
     assert score.area > 0.95
     assert "false at 10 % missed" in str(score)
 

@@ -1,6 +1,6 @@
 """Photographs that balls are rendered before: wallpapers of Debian, or any folder of pictures.
 
-    python -m benchmarks.training.photographs FOLDER
+    python -m training.rendering.photographs FOLDER
 
 fetches the wallpapers and unpacks them below FOLDER, which must not be in the repository; nothing is installed.
 """
@@ -17,8 +17,8 @@ import msgspec
 import numpy as np
 import typer
 
-from benchmarks.training.layers import Random, Range, Singles, Size, happens, log_within, within
 from matchset.image.disc_network.patch_format import Image
+from training.rendering.layers import Random, Range, Singles, Size, happens, log_within, within
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGES = (

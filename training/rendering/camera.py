@@ -12,7 +12,9 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.training.layers import (
+from matchset.app.films.codecs import EVEN
+from matchset.image.disc_network.patch_format import Circle3, Image
+from training.rendering.layers import (
     FULL,
     Counts,
     Random,
@@ -25,8 +27,6 @@ from benchmarks.training.layers import (
     happens,
     within,
 )
-from matchset.app.films.codecs import EVEN
-from matchset.image.disc_network.patch_format import Circle3, Image
 
 FRAMES_PER_SECOND = 30
 

@@ -1,4 +1,4 @@
-"""Weights of hypotheses and of first sight, fitted again in one run: `make weights`, or `python -m benchmarks.weights`.
+"""Weights of hypotheses and of first sight, fitted again: `make hypotheses`, or `python -m benchmarks.hypotheses`.
 
 Each weight is varied alone around its default, on sequences that are not scored (seeds 0 to 9), and the loss is
 compared with that of the defaults. The loss has three parts, px:

@@ -3,7 +3,8 @@
 import msgspec
 import numpy as np
 
-from benchmarks.training.layers import (
+from matchset.image.disc_network.patch_format import Circle3
+from training.rendering.layers import (
     BlobParameters,
     Counts,
     Random,
@@ -21,7 +22,6 @@ from benchmarks.training.layers import (
     which,
     within,
 )
-from matchset.image.disc_network.patch_format import Circle3
 
 
 class OtherShapeParameters(msgspec.Struct, frozen=True):

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.pruning.__main__ import main
-from benchmarks.pruning.silent import with_silent, without_silent
+from training.pruning import main
+from training.silent import with_silent, without_silent
 
 from matchset.image.disc_network.look import STEPS
 from matchset.image.disc_network.network import DiscNetwork

@@ -1,4 +1,4 @@
-"""Lines of code and parameters of each folder stay within `budget.toml`: to grow is a decision that somebody writes down."""
+"""Lines of code and parameters of each folder stay within `budget.toml`: to grow is a decision, written down there."""
 
 import ast
 import tomllib
@@ -31,7 +31,7 @@ def parameters(text: str) -> int:
 
 
 def test_what_counts() -> None:
-    text = '"""Doc."""\n\n# why\nX = 1  # here\n\n\nclass AParameters:\n    """Doc."""\n\n    one: int = 1\n    two: int = 2\n'
+    text = '"""Doc."""\n\n# why\nX = 1  # here\n\nclass AParameters:\n    """Doc."""\n\n    one: int = 1\n    two: int = 2\n'
     assert (lines_of_code(text), parameters(text)) == (4, 2)
 
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import pytest
@@ -46,8 +46,22 @@ class Landing(NamedTuple):
     code: int
 
 
-def start(*words: str) -> subprocess.Popen[str]:
-    return subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@contextlib.contextmanager
+def started(*words: str) -> Iterator[subprocess.Popen[str]]:
+    """A program; if it does not end by itself it is killed."""
+    with subprocess.Popen(
+        [sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def reach(level: int, port: PtyTransmitter, process: subprocess.Popen[str]) -> None:
+    """Wait until the throttle is so high; a program that has ended before says why."""
+    wait_until(lambda: process.poll() is not None or (port.moments and port.moments[-1].throttle >= level))
+    assert process.poll() is None, process.communicate()
 
 
 def words_of(before: str) -> tuple[str, ...]:
@@ -84,7 +98,7 @@ PROGRAMS: dict[str, tuple[tuple[str, ...], int, tuple[int, ...]]] = {
 """Of each: how it is started, how high its throttle is when it gets its first signal, and its signals."""
 
 
-def wait_until(done: Callable[[], bool]) -> None:
+def wait_until(done: Callable[[], object]) -> None:
     end = time.monotonic() + LONG
     while not done():
         assert time.monotonic() < end
@@ -94,12 +108,14 @@ def wait_until(done: Callable[[], bool]) -> None:
 @functools.cache
 def landings() -> dict[str, Landing]:
     """Fly all programs at once and send each its signals: a landing takes its time, the computer has nothing to do."""
-    with contextlib.ExitStack() as open_ports:
-        ports = {name: open_ports.enter_context(PtyTransmitter(PATIENT)) for name in PROGRAMS}
-        running = {name: start(*words, ports[name].path) for name, (words, _, _) in PROGRAMS.items()}
+    with contextlib.ExitStack() as opened:
+        ports = {name: opened.enter_context(PtyTransmitter(PATIENT)) for name in PROGRAMS}
+        running = {
+            name: opened.enter_context(started(*words, ports[name].path)) for name, (words, *_) in PROGRAMS.items()
+        }
         begins = dict[str, float]()
         for name, (_, level, numbers) in PROGRAMS.items():
-            ports[name].wait_for(level)
+            reach(level, ports[name], running[name])
             begins[name] = time.monotonic()
             running[name].send_signal(numbers[0])
             if len(numbers) > 1:

@@ -10,6 +10,8 @@ of them `cli`. A folder imports only from those below it. Two folders have publi
 
 from importlib import import_module
 
+from matchset.numeric.imports import lazy_names
+
 TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this package
 if TYPE_CHECKING:
     from typing import Any
@@ -122,10 +124,7 @@ if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every miss
             return globals()[name]
         if name in _FOLDERS:
             return import_module(_FOLDERS[name])
-        if name not in _MODULES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        found = globals()[name] = getattr(import_module(_MODULES[name]), name)
-        return found
+        return lazy_names(__name__, _MODULES)(name)
 
 
 def __dir__() -> list[str]:

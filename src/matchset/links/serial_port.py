@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from matchset.image.errors import LinkError
 from matchset.numeric.copies import NotCopied
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 BAUD = 115_200  # format: baud rate of the firmware
 READ_BYTES = 4096  # format: largest number of bytes that one call reads

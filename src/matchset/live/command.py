@@ -4,7 +4,7 @@ Imports that take long stand inside the function, so that `matchset --help` answ
 """
 
 from matchset.live.options import LiveOptions
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 LIVE_EPILOG = """
 [bold]Examples[/bold]

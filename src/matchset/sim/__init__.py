@@ -8,12 +8,10 @@ kernels: `line_filter`) what a transmitter makes of it. `toml_settings` reads se
 are drawn), `scene` (the room), `clips` (sequences of frames with their truth), `digital_camera` (phones and codecs).
 """
 
-from importlib import import_module
+from matchset.numeric.imports import lazy_names
 
 TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this package
 if TYPE_CHECKING:
-    from typing import Any
-
     from matchset.control.command import Command
     from matchset.control.follower import RelativeSetpoint
     from matchset.sim.analog_link import AnalogLink, degrade
@@ -91,13 +89,7 @@ _MODULES = {
 }
 
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
-
-    def __getattr__(name: str) -> "Any":
-        """Load a public name when it is first used."""
-        if name not in _MODULES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        found = globals()[name] = getattr(import_module(_MODULES[name]), name)
-        return found
+    __getattr__ = lazy_names(__name__, _MODULES)
 
 
 def __dir__() -> list[str]:

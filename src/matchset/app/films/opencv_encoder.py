@@ -19,7 +19,7 @@ import cv2
 from matchset.app.films.codecs import MJPEG, MPEG4, VP8, Film, FilmCodec, Picture, codecs_for
 from matchset.app.films.noise_smoother import NoiseSmoother
 from matchset.media.capture import hushed, opencv_name
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 MPEG4_NOTE = (
     "the .mp4 is packed as MPEG-4: players show it, browsers do not, and if the program is killed nothing of it can be "

@@ -5,9 +5,7 @@ Loading this folder, as ``ms.gym`` does, registers ``matchset/Follow-v0``; its n
 Gymnasium) and `pose_sensor` (what a picture says about the ball's pose). The page is docs/simulation.md.
 """
 
-from importlib import import_module
-
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice, lazy_names
 
 try:
     import gymnasium
@@ -16,8 +14,6 @@ except ModuleNotFoundError:
 
 TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this package
 if TYPE_CHECKING:
-    from typing import Any
-
     from matchset.flight.gym.follow_env import FollowEnv
     from matchset.flight.gym.follow_parameters import FollowParameters
 
@@ -35,13 +31,7 @@ if FOLLOW not in gymnasium.registry:
     gymnasium.register(FOLLOW, entry_point="matchset.flight.gym.follow_env:FollowEnv")
 
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
-
-    def __getattr__(name: str) -> "Any":
-        """Load a public name when it is first used."""
-        if name not in _MODULES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        found = globals()[name] = getattr(import_module(_MODULES[name]), name)
-        return found
+    __getattr__ = lazy_names(__name__, _MODULES)
 
 
 def __dir__() -> list[str]:

@@ -13,7 +13,7 @@ from matchset.app.disk import WholeFile
 from matchset.flight.recording.cdr import HEADER
 from matchset.media.bags.mcap_records import DamagedChunk, read_records
 from matchset.media.closing import Closing
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 PACKAGE = "matchset_msgs/msg/"
 BEGINNING = b"# MessagePack; its JSON Schema: "

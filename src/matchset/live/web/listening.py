@@ -3,7 +3,7 @@
 import io
 import socket
 
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 SEND_BUFFER = 65536  # format: bytes that the system keeps of what a slow program has not read: decision 095
 PORTS = 20  # format: ports that are tried, one after the other

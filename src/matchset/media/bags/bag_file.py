@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 NEEDED = advice("ros")
 

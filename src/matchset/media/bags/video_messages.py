@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from matchset.media.damaged.damage import Damage
 from matchset.media.damaged.frame_numbers import FrameNumbers
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 # format: FFmpeg's names of the codecs that messages name
 CODECS = {"h264": "h264", "avc": "h264", "h265": "hevc", "hevc": "hevc", "vp9": "vp9", "av1": "av1"}

@@ -8,7 +8,7 @@ import msgspec
 
 from matchset.media.video_files.mp4_tracks import VideoTrack
 from matchset.media.video_files.pyav_capture import StreamFacts, has_pyav, list_streams
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 RIFF = b"RIFF"
 SIGNATURES = (b"\x1aE\xdf\xa3", b"\x47", b"\x00\x00\x01\xba", RIFF)  # format: Matroska, MPEG-TS, MPEG-PS, AVI

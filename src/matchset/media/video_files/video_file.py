@@ -18,7 +18,7 @@ from matchset.media.video_files.file_view import file_view
 from matchset.media.video_files.pyav_capture import has_pyav, open_pyav
 from matchset.media.video_files.stream_choice import choose_stream
 from matchset.media.video_files.upright_capture import UprightCapture
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 Opener = Callable[[str], Capture | None]
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.extras import advice
+from matchset.numeric.imports import advice
 
 Image = npt.NDArray[np.uint8]
 

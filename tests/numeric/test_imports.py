@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from matchset.numeric.extras import EXTRAS, advice
+from matchset.numeric.imports import EXTRAS, advice
 
 ROOT = Path(__file__).parent.parent.parent
 DECLARED = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]

@@ -14,6 +14,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.media.closing import Closing
+from matchset.numeric.arguments import require_at_least, require_share
 
 
 class SpaceParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -34,10 +35,8 @@ class SpaceParameters(msgspec.Struct, frozen=True, kw_only=True):
     keep_share: float = 0.02
 
     def __post_init__(self) -> None:
-        if not self.keep_free >= 0.0:
-            raise ValueError(f"keep_free must be 0 or more, got {self.keep_free}")
-        if not 0.0 <= self.keep_share <= 1.0:
-            raise ValueError(f"keep_share must be within 0 ... 1, got {self.keep_share}")
+        require_at_least(self, 0, "keep_free")
+        require_share(self, ("keep_share",))
 
 
 SPACE = SpaceParameters()

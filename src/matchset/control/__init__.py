@@ -5,6 +5,6 @@ Read `command.py` (what is sent), then `follower.py`, which holds a setpoint bes
 `chain/` (the next-but-one ball), `mount/` (how the camera is turned on its vehicle), `learned/` (a latency that was not
 told, the throttle that hovers), `pid.py` and `feedforward.py`, `stability/` (how far all of that is from oscillating),
 and answers with `control_output.py`. `safety.py` decides what of all that may be sent; `repeated_picture.py` and
-`motion_consistency.py` say whether the pictures are new ones and those of now. `parameter_checks.py` checks parameters;
+`motion_consistency.py` say whether the pictures are new ones and those of now.
 `files/` knows the keys that they had in files before.
 """

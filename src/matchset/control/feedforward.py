@@ -11,7 +11,7 @@ computed as ``low + k (v - low)`` with the low-passed speed ``low' = (v - low) /
 
 import msgspec
 
-from matchset.control.parameter_checks import require_positive, require_share
+from matchset.numeric.arguments import require_positive, require_share
 
 
 class FeedforwardParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -25,7 +25,6 @@ from matchset.control.motion_consistency import MotionConsistency, MotionConsist
 from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
-from matchset.control.parameter_checks import require, require_not_negative, require_positive, require_share
 from matchset.control.pid import Pid, PidParameters
 from matchset.control.stability.follower_loops import LoopParameters
 from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
@@ -34,6 +33,7 @@ from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.sticks.kinds import lift_off_of, sticks_for
 from matchset.control.sticks.speed_parameters import SpeedParameters
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require, require_not_negative, require_positive, require_share
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]

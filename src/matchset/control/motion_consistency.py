@@ -27,8 +27,8 @@ import numpy.typing as npt
 
 from matchset.control.ego_motion import STATE, STATE_SIZE, EgoMotion
 from matchset.control.learned.delay import DelayEstimator, DelayEstimatorParameters
-from matchset.control.parameter_checks import require, require_not_negative, require_positive
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require, require_at_least, require_not_negative, require_positive, require_within
 from matchset.numeric.jit import helper, kernel
 
 Floats = npt.NDArray[np.float64]
@@ -103,7 +103,7 @@ class MotionConsistencyParameters(msgspec.Struct, frozen=True, kw_only=True, for
     delay_estimator: DelayEstimatorParameters = DelayEstimatorParameters()
 
     def __post_init__(self) -> None:
-        require(self, ("window", "min_latency_count", "min_evidence_count"), lambda value: value >= 4, "4 or more")
+        require_at_least(self, 4, "window", "min_latency_count", "min_evidence_count")
         require(
             self, ("min_latency_count",), lambda value: value <= self.min_evidence_count, "at most min_evidence_count"
         )
@@ -114,11 +114,11 @@ class MotionConsistencyParameters(msgspec.Struct, frozen=True, kw_only=True, for
             lambda value: 1 <= value <= self.min_evidence_count,
             "within 1 ... min_evidence_count",
         )
-        require(self, ("stride", "confirmations"), lambda value: value >= 1, "1 or more")
+        require_at_least(self, 1, "stride", "confirmations")
         require_positive(self, ("max_duration", "delay_spacing", "noise", "max_evidence", "settling_time"))
         require_not_negative(self, ("moving_average", "max_delay"))
         require(self, ("moving_average",), lambda value: value < 1.0, "below 1")
-        require(self, ("min_delay",), lambda value: -0.2 <= value <= 0.0, "within -0.2 ... 0")
+        require_within(self, {"min_delay": (-0.2, 0.0)})
         require(self, ("min_old_delay",), lambda value: value > self.max_delay, "more than max_delay")
         require(
             self, ("max_old_delay",), lambda value: self.min_old_delay <= value <= 1.0, "within min_old_delay ... 1"

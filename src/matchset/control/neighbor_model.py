@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.parameter_checks import require_positive
+from matchset.numeric.arguments import require_positive
 from matchset.numeric.jit import helper
 
 Floats = npt.NDArray[np.float64]

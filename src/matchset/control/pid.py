@@ -6,7 +6,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.control.command import clip
-from matchset.control.parameter_checks import require, require_not_negative, require_share
+from matchset.numeric.arguments import require, require_not_negative, require_share
 
 
 class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.parameter_checks import require
+from matchset.numeric.arguments import require_at_least
 
 
 class RepeatedPictureParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -44,8 +44,8 @@ class RepeatedPictureParameters(msgspec.Struct, frozen=True, kw_only=True, forbi
     final_repeats: int = 9
 
     def __post_init__(self) -> None:
-        require(self, ("lines",), lambda value: value >= 0, "0 or more")
-        require(self, ("memory", "max_repeats", "final_repeats"), lambda value: value >= 1, "1 or more")
+        require_at_least(self, 0, "lines")
+        require_at_least(self, 1, "memory", "max_repeats", "final_repeats")
 
 
 class PicturesSeen(NamedTuple):

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import msgspec
 
 from matchset.control.command import Command, clip
-from matchset.control.parameter_checks import require, require_positive
+from matchset.numeric.arguments import require, require_positive
 
 Phase = Literal["locked", "flying", "holding", "descending", "cut"]
 """``holding``: flying on the prediction, the ball is not seen. ``cut``: motors off until armed again."""

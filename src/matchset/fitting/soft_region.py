@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from matchset.fitting.soft_region_kernel import MOST_CELLS, MOST_LINES, REGION_MEMORY, find_region
 from matchset.image.frame import channels_last
+from matchset.numeric.arguments import require
 from matchset.numeric.record import ThreadBlock, fields, store
 
 Floats = npt.NDArray[np.float64]
@@ -118,9 +119,7 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
         for low, high in (("soft", "softer"), ("agreement", "agrees")):
             if not getattr(self, low) < getattr(self, high):
                 raise ValueError(f"{low} must be less than {high}, got {getattr(self, low)} and {getattr(self, high)}")
-        for name in ("cells", "lines", "pixel_noise"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        require(self, ("cells", "lines", "pixel_noise"), lambda value: value > 0, "positive")
         for name, most in (("cells", MOST_CELLS), ("lines", MOST_LINES)):
             if getattr(self, name) > most:
                 raise ValueError(f"{name} is at most {most}, got {getattr(self, name)}")

@@ -9,6 +9,7 @@ import msgspec
 from matchset.camera.camera_model import CameraModel
 from matchset.control.follower import RelativeSetpoint
 from matchset.links.picture_faults import PictureFaults, PictureTimes
+from matchset.numeric.arguments import require_within
 from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD
 from matchset.sim.conditions.conditions import Conditions
@@ -118,31 +119,32 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     noise: OutlineNoise = OutlineNoise()
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("seed", 0, 2**31),
-            ("latency_ms", 0.0, 700.0),
-            ("start_off", 0.0, 2.0),
-            ("hidden", 0.0, 60.0),
-            ("hidden_every", 0.1, 1e6),
-            ("cable", 0.0, math.inf),
-            ("freeze", 0.0, math.inf),
-            ("freeze_for", 0.0, math.inf),
-            ("stale", 0.0, math.inf),
-            ("stale_for", 0.0, math.inf),
-            ("stale_age", 0.0, 10.0),
-            ("silent", 0.0, math.inf),
-            ("silent_for", 0.0, math.inf),
-            ("distortion", -0.3, 0.3),
-            ("vehicles", 2, 20),
-            ("width", 64, 1920),
-            ("height", 64, 1080),
-            ("fov_deg", 20.0, 120.0),
-            ("swing", 0.0, 1.0),
-            ("yaw_deg", 0.0, 180.0),
-            ("bias_deg", 0.0, 30.0),
-        ):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
+        require_within(
+            self,
+            {
+                "seed": (0, 2**31),
+                "latency_ms": (0.0, 700.0),
+                "start_off": (0.0, 2.0),
+                "hidden": (0.0, 60.0),
+                "hidden_every": (0.1, 1e6),
+                "cable": (0.0, math.inf),
+                "freeze": (0.0, math.inf),
+                "freeze_for": (0.0, math.inf),
+                "stale": (0.0, math.inf),
+                "stale_for": (0.0, math.inf),
+                "stale_age": (0.0, 10.0),
+                "silent": (0.0, math.inf),
+                "silent_for": (0.0, math.inf),
+                "distortion": (-0.3, 0.3),
+                "vehicles": (2, 20),
+                "width": (64, 1920),
+                "height": (64, 1080),
+                "fov_deg": (20.0, 120.0),
+                "swing": (0.0, 1.0),
+                "yaw_deg": (0.0, 180.0),
+                "bias_deg": (0.0, 30.0),
+            },
+        )
         self.conditions.rope(RopeParameters(swing=self.swing))  # refuses one that is too short for its swing
         if self.pal not in PRESETS:
             raise ValueError(f"pal must be one of {', '.join(PRESETS)}, got {self.pal!r}")

@@ -13,6 +13,7 @@ from matchset.image.light.relighting import relit
 from matchset.localization.cone import ConeFailure
 from matchset.localization.localizer import REASONS, Localizer
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require_at_least
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
 from matchset.tracking.too_near import TOO_NEAR
@@ -45,9 +46,7 @@ class AssociationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_un
     def __post_init__(self) -> None:
         if not 0.0 < self.shade <= 1.0:
             raise ValueError(f"shade must be above 0 and at most 1, got {self.shade}")
-        for name in ("candidates", "rejected_poses"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be 1 or more, got {getattr(self, name)}")
+        require_at_least(self, 1, "candidates", "rejected_poses")
 
 
 def in_lights(color: ColorModel, shade: float) -> tuple[ColorModel, ...]:

@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import require_positive
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Block, fields, new_block, record_dtype
@@ -43,8 +44,7 @@ class RopeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     yaw_shares: tuple[float, float] = (0.8, 0.2)
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.length < math.inf:
-            raise ValueError(f"length must be positive, got {self.length}")
+        require_positive(self, ("length",))
         if not 0.0 <= self.swing <= 0.9 * self.length:
             raise ValueError(f"swing must be 0 or more, and less than 0.9 of the rope's length, got {self.swing}")
         if not (0.0 <= self.damping < math.inf and 0.0 <= self.yaw_deg <= 180.0):

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
+from matchset.numeric.arguments import require_within
 from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block
 from matchset.sim import chain_motion
@@ -106,8 +107,7 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     conditions: Conditions = Conditions()
 
     def __post_init__(self) -> None:
-        if not 2 <= self.vehicles <= MOST_VEHICLES:
-            raise ValueError(f"vehicles must be 2 ... {MOST_VEHICLES}, got {self.vehicles}")
+        require_within(self, {"vehicles": (2, MOST_VEHICLES)}, "must be")
         if not all(abs(value) <= 2.0 for value in self.start_off):
             raise ValueError(f"start_off must be within 2 m, got {self.start_off}")
 

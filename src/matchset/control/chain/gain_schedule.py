@@ -18,8 +18,8 @@ import msgspec
 
 from matchset.control.command import clip
 from matchset.control.feedforward import FeedforwardParameters
-from matchset.control.parameter_checks import require, require_not_negative, require_positive, require_share
 from matchset.control.pid import PidParameters
+from matchset.numeric.arguments import require, require_not_negative, require_positive, require_share
 
 ENTRIES = 21  # format: of the table of gains, for shares from 0 to 1
 

@@ -3,7 +3,7 @@
 import msgspec
 
 from matchset.control.follower import FollowerParameters
-from matchset.control.parameter_checks import require, require_positive
+from matchset.numeric.arguments import require, require_at_least, require_positive
 
 
 class LongChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -32,9 +32,9 @@ class LongChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkn
     tilt_sigma: float = 0.025
 
     def __post_init__(self) -> None:
-        require(self, ("short_followers",), lambda value: value >= 0, "0 or more")
+        require_at_least(self, 0, "short_followers")
         require(self, ("long_followers",), lambda value: value > self.short_followers, "more than short_followers")
-        require(self, ("remote_followers",), lambda value: value >= 0, "0 or more")
+        require_at_least(self, 0, "remote_followers")
         require_positive(self, ("tilt_sigma",))
 
 

@@ -23,8 +23,8 @@ from matchset.control.chain.slow_part import SlowPart
 from matchset.control.ego_motion import EgoState
 from matchset.control.neighbor_filter import VALUES, NeighborFilter, named
 from matchset.control.neighbor_model import AXES, YAW, Forecast, NeighborFilterParameters
-from matchset.control.parameter_checks import require, require_positive, require_share
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require, require_positive, require_share
 from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]

@@ -21,7 +21,7 @@ import numpy as np
 from matchset.control.ego_motion import EgoMotion
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import VERTICAL
-from matchset.control.parameter_checks import require_not_negative, require_positive
+from matchset.numeric.arguments import require_not_negative, require_positive
 
 
 class CommonMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

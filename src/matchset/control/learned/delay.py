@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.parameter_checks import require_not_negative, require_positive
+from matchset.numeric.arguments import require_not_negative, require_positive
 
 Floats = npt.NDArray[np.float64]
 

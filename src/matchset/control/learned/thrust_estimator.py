@@ -15,7 +15,7 @@ import math
 import msgspec
 import numpy as np
 
-from matchset.control.parameter_checks import require, require_positive
+from matchset.numeric.arguments import require, require_at_least, require_positive
 from matchset.numeric.kalman import predict, update
 
 
@@ -64,7 +64,7 @@ class ThrustEstimatorParameters(msgspec.Struct, frozen=True, kw_only=True, forbi
     def __post_init__(self) -> None:
         require_positive(self, self.__struct_fields__)
         require(self, ("min_gain",), lambda value: value <= 1.0, "at most 1")
-        require(self, ("max_gain",), lambda value: value >= 1.0, "1 or more")
+        require_at_least(self, 1, "max_gain")
 
 
 class ThrustEstimator:

@@ -19,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.ego_motion import EgoState
-from matchset.control.parameter_checks import require, require_not_negative, require_positive
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require, require_not_negative, require_positive
 
 Floats = npt.NDArray[np.float64]
 

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from matchset.control.mount.camera_mount import mounting
-from matchset.control.parameter_checks import require_positive
+from matchset.numeric.arguments import require_positive
 
 Floats = npt.NDArray[np.float64]
 

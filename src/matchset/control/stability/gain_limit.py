@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.chain.gain_schedule import Gains
-from matchset.control.parameter_checks import require, require_not_negative, require_positive, require_share
 from matchset.control.pid import PidParameters
 from matchset.control.safety import DesiredCommand
 from matchset.control.stability.follower_loops import (
@@ -30,6 +29,7 @@ from matchset.control.stability.follower_loops import (
 from matchset.control.stability.loop import Timing
 from matchset.control.stability.margins import Margins, margins_of
 from matchset.control.stability.oscillation import Oscillation, SwingLimits
+from matchset.numeric.arguments import require_at_least, require_not_negative, require_positive, require_share
 
 Floats = npt.NDArray[np.float64]
 
@@ -112,7 +112,7 @@ class StabilityParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkn
         )
         require_positive(self, ("period", "averaging_time", "lowering_factor", "min_factor"))
         require_share(self, ("lowered_swing_ratio", "turning_ratio", "lowering_factor", "min_factor"))
-        require(self, ("swing_count",), lambda value: value >= 2, "2 or more")
+        require_at_least(self, 2, "swing_count")
 
 
 class GainsInUse(NamedTuple):

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.control.parameter_checks import require_positive
+from matchset.numeric.arguments import require_positive
 
 GRAVITY = 9.81  # theorem: standard gravity, m/s^2 (ISO 80000-3: 9.80665), rounded
 

@@ -6,8 +6,8 @@ import msgspec
 
 from matchset.control.command import HOLD
 from matchset.control.feedforward import FeedforwardParameters
-from matchset.control.parameter_checks import require_not_negative, require_share
 from matchset.control.pid import PidParameters
+from matchset.numeric.arguments import require_not_negative, require_share
 
 
 class SpeedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -6,8 +6,8 @@ import msgspec
 
 from matchset.control.control_output import ControlOutput
 from matchset.control.follower import RelativeSetpoint
-from matchset.control.parameter_checks import require, require_not_negative
 from matchset.control.safety import DesiredCommand, SafetyState
+from matchset.numeric.arguments import require, require_not_negative
 
 # theorem: of these signs the sum and the sum of the sums are zero, so that a vehicle ends where it began, at rest
 SIGNS = (1.0, -1.0, -1.0, 1.0)

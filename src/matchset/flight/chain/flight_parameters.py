@@ -10,6 +10,7 @@ from matchset.control.chain.long_chain import LongChainParameters, in_chain
 from matchset.flight.chain.pilot import Pilot, PilotParameters
 from matchset.flight.linked.parameters import LinkedParameters
 from matchset.links.simulation_parameters import SimulationParameters
+from matchset.numeric.arguments import require_at_least, require_within
 
 Floats = npt.NDArray[np.float64]
 
@@ -57,20 +58,12 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     linked: LinkedParameters = LinkedParameters()
 
     def __post_init__(self) -> None:
-        if not 0.1 <= self.duration <= 3600.0:
-            raise ValueError(f"duration must be within 0.1 ... 3600, got {self.duration}")
+        require_within(self, {"duration": (0.1, 3600.0)})
         if self.pilot.follower.commands == "speeds" and self.world.commands == "angles":
             raise ValueError('commands: [flight.world] commands = "speeds" is what changes it, or the link tello:')
-        if self.together < 1:
-            raise ValueError(f"together must be 1 or more, got {self.together}")
-        if not 0.0 <= self.stagger <= 60.0:
-            raise ValueError(f"stagger must be within 0 ... 60, got {self.stagger}")
-        if not 0.0 <= self.stagger_delays <= 60.0:
-            raise ValueError(f"stagger_delays must be within 0 ... 60, got {self.stagger_delays}")
-        if not 0.0 <= self.sight_ahead <= 60.0:
-            raise ValueError(f"sight_ahead must be within 0 ... 60, got {self.sight_ahead}")
-        if not 0.0 <= self.sight_margin <= 10.0:
-            raise ValueError(f"sight_margin must be within 0 ... 10, got {self.sight_margin}")
+        require_at_least(self, 1, "together")
+        times = {"stagger": (0.0, 60.0), "stagger_delays": (0.0, 60.0), "sight_ahead": (0.0, 60.0)}
+        require_within(self, times | {"sight_margin": (0.0, 10.0)})
 
     @property
     def loop(self) -> PilotParameters:

@@ -29,6 +29,7 @@ from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball, in_lights
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require_positive
 from matchset.shapes.circle import Circle
 from matchset.tracking.parameters import IN_FLIGHT
 from matchset.tracking.track import Lost, Track
@@ -120,8 +121,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     excitation: ExcitationParameters | None = None
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.near < math.inf:
-            raise ValueError(f"near must be positive, got {self.near}")
+        require_positive(self, ("near",))
         away, least = math.hypot(*msgspec.structs.astuple(self.place)), self.safety.min_distance
         if not away > least:
             raise ValueError(f"a follower goes back from less than {least:g} m, but its place is {away:.2f} m away")

@@ -6,6 +6,7 @@ import msgspec
 
 from matchset.control.follower import RelativeSetpoint
 from matchset.links.simulation_parameters import SimulationParameters
+from matchset.numeric.arguments import require_within
 
 Observation = Literal["picture", "pose"]
 
@@ -66,16 +67,17 @@ class FollowParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     def __post_init__(self) -> None:
         if self.observation not in get_args(Observation):
             raise ValueError(f"observation must be picture or pose, got {self.observation!r}")
-        for name, low, high in (
-            ("duration", 0.1, 3600.0),
-            ("side", -2.0, 2.0),
-            ("height", -2.0, 2.0),
-            ("heading", 0.5, 5.0),
-            ("max_error", 0.1, 100.0),
-            ("crash_penalty", 0.0, 1e9),
-        ):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
+        require_within(
+            self,
+            {
+                "duration": (0.1, 3600.0),
+                "side": (-2.0, 2.0),
+                "height": (-2.0, 2.0),
+                "heading": (0.5, 5.0),
+                "max_error": (0.1, 100.0),
+                "crash_penalty": (0.0, 1e9),
+            },
+        )
         _ = self.world(0)  # checks the rest
 
     @property

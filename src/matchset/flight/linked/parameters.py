@@ -6,6 +6,7 @@ import msgspec
 
 from matchset.media.streams.silence import Silence
 from matchset.media.upright.orientation import check_turn
+from matchset.numeric.arguments import require_within
 
 MOST_COUNTDOWN, MOST_WAIT, MOST_SILENCE = 60.0, 0.09, 10.0  # format: s; the transmitter holds the sticks after 0.1 s
 
@@ -33,8 +34,7 @@ class LinkedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     silence: float = 2.0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.countdown <= MOST_COUNTDOWN:
-            raise ValueError(f"countdown must be within 0 ... {MOST_COUNTDOWN:g}, got {self.countdown}")
+        require_within(self, {"countdown": (0.0, MOST_COUNTDOWN)})
         if not 0.0 < self.wait <= MOST_WAIT:
             raise ValueError(f"wait must be above 0 and at most {MOST_WAIT:g}, got {self.wait}")
         if not self.wait <= self.silence <= MOST_SILENCE:

@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from matchset.control.parameter_checks import require, require_positive, require_share
+from matchset.numeric.arguments import require, require_at_least, require_positive, require_share, require_within
 
 
 class PreflightParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -106,8 +106,8 @@ class PreflightParameters(msgspec.Struct, frozen=True, kw_only=True):
         shares = ("most_repeats", "most_clipped", "most_dark", "least_charge", "most_errors", "least_seen")
         levels = ("bright_level", "dark_level")
         require_share(self, (*shares, "least_marker"))
-        require(self, levels, lambda value: 0.0 <= value <= 255.0, "within 0 ... 255")
+        require_within(self, dict.fromkeys(levels, (0.0, 255.0)))
         require(self, ("stick",), lambda value: 0.0 < value <= 0.5, "above 0 and at most 0.5")
-        require(self, ("move_steps",), lambda value: value >= 1, "1 or more")
+        require_at_least(self, 1, "move_steps")
         rest = set(self.__struct_fields__) - {*shares, *levels, "least_marker", "stick", "move_steps"}
         require_positive(self, [name for name in self.__struct_fields__ if name in rest])

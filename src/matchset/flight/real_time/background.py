@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 import msgspec
 
 from matchset.media.closing import Closing
+from matchset.numeric.arguments import require_at_least
 
 T = TypeVar("T")
 LOOK = 0.05  # format: s between two looks whether the thread has ended
@@ -35,8 +36,7 @@ class BackgroundParameters(msgspec.Struct, frozen=True, kw_only=True):
     patience: float = 20.0
 
     def __post_init__(self) -> None:
-        if self.waiting < 1:
-            raise ValueError(f"waiting must be 1 or more, got {self.waiting}")
+        require_at_least(self, 1, "waiting")
 
 
 class Background(Closing, Generic[T]):

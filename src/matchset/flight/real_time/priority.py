@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from matchset.numeric.arguments import require_within
+
 
 class PriorityParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How far a loop stands before other programs.
@@ -27,9 +29,7 @@ class PriorityParameters(msgspec.Struct, frozen=True, kw_only=True):
     behind: int = 1
 
     def __post_init__(self) -> None:
-        for name, value in (("level", self.level), ("behind", self.behind)):
-            if not 1 <= value <= 99:
-                raise ValueError(f"{name} must be 1 ... 99, got {value}")
+        require_within(self, {"level": (1, 99), "behind": (1, 99)}, "must be")
 
 
 class _Scheduling(NamedTuple):

@@ -11,6 +11,7 @@ import numpy as np
 from matchset.flight.chain.flight_parameters import FlightParameters
 from matchset.flight.chain.score import FlightScore
 from matchset.flight.simulate.variation import Axis, FlightCase, quantity
+from matchset.numeric.arguments import require, require_share
 
 HEADER = (
     "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us,"
@@ -45,11 +46,8 @@ class RowLimits(msgspec.Struct, frozen=True, kw_only=True):
     spread: float = 0.10
 
     def __post_init__(self) -> None:
-        for name in ("survival", "in_view"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise ValueError(f"{name} must be within 0 ... 1, got {getattr(self, name)}")
-        if not self.spread > 0.0:
-            raise ValueError(f"spread must be positive, got {self.spread}")
+        require_share(self, ("survival", "in_view"))
+        require(self, ("spread",), lambda value: value > 0.0, "positive")
 
 
 class Flown(NamedTuple):

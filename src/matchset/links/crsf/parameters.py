@@ -1,9 +1,10 @@
 """The numbers of the link through a transmitter module, and its URI: `CrsfParameters`, `parse_uri`."""
 
-import math
 from urllib.parse import parse_qsl
 
 import msgspec
+
+from matchset.numeric.arguments import require_positive, require_within
 
 SCHEME = "crsf://"
 
@@ -81,21 +82,12 @@ class CrsfParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     poor_quality: int = 70
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("baud", 9600, 6_000_000),
-            ("rate", 25.0, 500.0),
-            ("arm_channel", 5, 16),
-            ("alike", 1, 100),
-            ("step", 0.0, 1.0),
-            ("poor_quality", 0, 100),
-        ):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
-        if self.receiver is not None and not 0 <= self.receiver <= 63:
-            raise ValueError(f"receiver must be within 0 ... 63, got {self.receiver}")
-        for name in ("hold_after", "disarm_time", "timeout", "startup_timeout", "arm_low_time", "poll_period"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        limits = {"baud": (9600, 6_000_000), "rate": (25.0, 500.0), "arm_channel": (5, 16), "alike": (1, 100)}
+        require_within(self, limits | {"step": (0.0, 1.0), "poor_quality": (0, 100)})
+        if self.receiver is not None:
+            require_within(self, {"receiver": (0, 63)})
+        times = "hold_after", "disarm_time", "timeout", "startup_timeout", "arm_low_time", "poll_period"
+        require_positive(self, times)
         for name, less in (("cut_after", "hold_after"), ("vehicle_timeout", "cut_after"), ("longest", "shortest")):
             if not getattr(self, name) > getattr(self, less) > 0.0:
                 raise ValueError(f"{name} must be more than {less}, got {getattr(self, name)}")

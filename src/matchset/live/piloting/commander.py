@@ -9,6 +9,8 @@ from typing import Literal
 
 import msgspec
 
+from matchset.numeric.arguments import require_positive
+
 Duty = Literal["idle", "flying", "holding", "descending", "stopped"]
 """idle: nobody armed; holding: the page is silent; descending ends in stopped only, and that by `Commander.again`."""
 
@@ -40,8 +42,7 @@ class SilenceParameters(msgspec.Struct, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         if not 0.0 < self.hold < self.descend:
             raise ValueError(f"0 < hold < descend is needed, got {self.hold} and {self.descend}")
-        if not 0.0 < self.blind < math.inf:
-            raise ValueError(f"blind must be positive, got {self.blind}")
+        require_positive(self, ("blind",))
 
 
 class Commander(msgspec.Struct, frozen=True, kw_only=True):

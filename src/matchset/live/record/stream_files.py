@@ -17,6 +17,7 @@ from matchset.live.record.bag import BagWriter
 from matchset.live.record.target_tables import TargetTables
 from matchset.live.wire.state import State
 from matchset.media.closing import Closing, close_all
+from matchset.numeric.arguments import require_within
 
 
 class FileParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -40,8 +41,7 @@ class FileParameters(msgspec.Struct, frozen=True, kw_only=True):
     agreement: float = 0.1
 
     def __post_init__(self) -> None:
-        if not 1 <= self.bag_quality <= 100:
-            raise ValueError(f"bag_quality must be within 1 ... 100, got {self.bag_quality}")
+        require_within(self, {"bag_quality": (1, 100)})
 
     def rate(self, state: State) -> float:
         """Return the frames per second of a video that begins with a picture."""

@@ -5,6 +5,7 @@ from collections import deque
 import msgspec
 
 from matchset.image.frame import Frame
+from matchset.numeric.arguments import require_at_least
 
 
 class KeepingParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -28,8 +29,7 @@ class KeepingParameters(msgspec.Struct, frozen=True, kw_only=True):
     held: int = 3
 
     def __post_init__(self) -> None:
-        if self.frames < 1:
-            raise ValueError(f"frames must be 1 or more, got {self.frames}")
+        require_at_least(self, 1, "frames")
 
 
 class KeptFrames:

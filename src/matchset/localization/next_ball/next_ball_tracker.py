@@ -19,6 +19,7 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.next_ball.disc_search import Triple, compare_disc, precompile, sample_points, search_disc
 from matchset.localization.pose import Pose
+from matchset.numeric.arguments import require_at_least, require_positive, require_within
 from matchset.numeric.copies import Copied
 from matchset.shapes.circle import Circle
 from matchset.tracking.compiled_step import tracking_fitter
@@ -118,19 +119,13 @@ class NextBallParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     growth: float = 1.25
 
     def __post_init__(self) -> None:
-        if not 16 <= self.points <= 128:
-            raise ValueError(f"points must be within 16 ... 128, got {self.points}")
-        if self.every < 1:
-            raise ValueError(f"every must be 1 or more, got {self.every}")
-        for name in ("inside", "around", "search_inside", "search_around", "min_points"):
-            if getattr(self, name) < 4:
-                raise ValueError(f"{name} must be 4 or more, got {getattr(self, name)}")
+        require_within(self, {"points": (16, 128)})
+        require_at_least(self, 1, "every")
+        require_at_least(self, 4, "inside", "around", "search_inside", "search_around", "min_points")
         if not 0.0 < self.rings[0] <= self.rings[1] < self.rings[2] < math.inf:
             raise ValueError(f"rings must be three growing radii, got {self.rings}")
         sizes = "follow_step", "search_step", "size_sigma", "reach", "min_reach", "noise", "first_noise", "growth"
-        for name in sizes:
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        require_positive(self, sizes)
 
 
 class NextBallTracker(Copied):

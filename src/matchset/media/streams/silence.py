@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 
 import msgspec
 
-from matchset.numeric.arguments import check_number
+from matchset.numeric.arguments import check_number, require_positive
 
 
 class ReopeningParameters(msgspec.Struct, frozen=True):
@@ -59,8 +59,7 @@ class Silence(NamedTuple):
     def checked(self) -> Self:
         """Return it, or raise ValueError for a time that is none."""
         check_number("timeout", self.timeout)
-        if not 0.0 < self.timeout < math.inf:
-            raise ValueError(f"timeout must be positive, got {self.timeout}")
+        require_positive(self, ("timeout",))
         if self.reconnect is not None:
             check_number("reconnect", self.reconnect)
             if not 0.0 <= self.reconnect < math.inf:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.numeric.arguments import require_within
 from matchset.sim.analog_link import PRESETS, AnalogLink, degrade
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.hand import HOLD, Hand, hand_at, shifted
@@ -149,10 +150,8 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"radii must rise and fit the picture, got {self.radii} px")
         if self.backdrop not in ("room", "grass"):
             raise ValueError(f"a backdrop is room or grass, got {self.backdrop!r}")
-        for name, (low, high) in _LIMITS.items():
-            value = getattr(self, name)
-            if value is not None and not low <= value <= high:
-                raise ValueError(f"{name} of a clip lies in {low:g} ... {high:g}, got {value}")
+        said = {name: limits for name, limits in _LIMITS.items() if getattr(self, name) is not None}
+        require_within(self, said, "of a clip lies in")
 
     @classmethod
     def hard(cls, **changes: object) -> "Clip":

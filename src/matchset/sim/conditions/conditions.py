@@ -6,6 +6,7 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import msgspec
 
+from matchset.numeric.arguments import require_within
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehicleParameters
 
@@ -101,10 +102,8 @@ class Conditions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     rope_length_m: Annotated[float | None, _within(0.2, 5.0, "m", "length of the rope; 1.2")] = None
 
     def __post_init__(self) -> None:
-        for quantity in quantities():
-            value = getattr(self, quantity.name)
-            if value is not None and not quantity.low <= value <= quantity.high:
-                raise ValueError(f"{quantity.name} must be within {quantity.low:g} ... {quantity.high:g}, got {value}")
+        said = (quantity for quantity in quantities() if getattr(self, quantity.name) is not None)
+        require_within(self, {quantity.name: (quantity.low, quantity.high) for quantity in said})
 
     def vehicle(self, told: VehicleParameters) -> VehicleParameters:
         """Return the vehicle as it is, from what is told about it.

@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import require_within
 from matchset.sim.world import RATE
 
 Floats = npt.NDArray[np.float64]
@@ -119,16 +120,17 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     marker_diameter: float = 0.2
 
     def __post_init__(self) -> None:
-        for name, least, most in (
-            *((name, 0.0, 1e6) for name in (*IN_PIXELS, "burst_factor", "wrong_way", "marker_deg")),
-            *((name, 0.0, 1.0) for name in SHARES),
-            ("memory", 0.1, 30.0),
-            ("burst_pictures", 1, 60),
-            ("wrong_pictures", 1, 60),
-            ("points", 5, POINTS),
-        ):
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(f"{name} must be within {least:g} ... {most:g}, got {getattr(self, name)}")
+        require_within(
+            self,
+            {
+                **dict.fromkeys((*IN_PIXELS, "burst_factor", "wrong_way", "marker_deg"), (0.0, 1e6)),
+                **dict.fromkeys(SHARES, (0.0, 1.0)),
+                "memory": (0.1, 30.0),
+                "burst_pictures": (1, 60),
+                "wrong_pictures": (1, 60),
+                "points": (5, POINTS),
+            },
+        )
 
     def point_deviation(self, way: float) -> float:
         """Return that of each point across the outline after a way, px."""

@@ -4,6 +4,8 @@ import math
 
 import msgspec
 
+from matchset.numeric.arguments import require_within
+
 Gain = tuple[float, float, float]
 
 
@@ -33,9 +35,7 @@ class ControlSteps(msgspec.Struct, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         limits = {"brightness": (0.125, 8.0), "tint": (-0.9, 0.9), "every": (1e-3, 1e6), "settling": (0.0, 1e6)}
-        for name, (low, high) in limits.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} of steps lies in {low:g} ... {high:g}, got {getattr(self, name)}")
+        require_within(self, limits, "of steps lies in")
 
     def gain(self, seconds: float) -> Gain:
         """Gain of B, G and R at some time.

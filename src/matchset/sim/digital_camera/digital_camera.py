@@ -3,6 +3,7 @@
 import msgspec
 import numpy as np
 
+from matchset.numeric.arguments import require_within
 from matchset.sim.digital_camera.control_steps import ControlSteps, Gain
 from matchset.sim.digital_camera.processing import add_sensor_noise, defocus, denoise, mix_with_last, saturate, sharpen
 from matchset.sim.rendering.renderer import Picture
@@ -62,9 +63,7 @@ class DigitalCamera(msgspec.Struct, frozen=True, kw_only=True):
     saturation: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _LIMITS.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} of a digital camera lies in {low:g} ... {high:g}, got {getattr(self, name)}")
+        require_within(self, _LIMITS, "of a digital camera lies in")
 
     @property
     def changes_pictures(self) -> bool:

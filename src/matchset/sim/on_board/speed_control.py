@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.command import HOLD
-from matchset.control.parameter_checks import require_not_negative, require_positive
+from matchset.numeric.arguments import require_not_negative, require_positive
 from matchset.numeric.jit import kernel
 from matchset.sim.quadrotor import GRAVITY
 from matchset.sim.vehicle import VehicleParameters

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
+from matchset.numeric.arguments import require_within
 from matchset.numeric.record import Block, fields, new_block
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import Occluder
@@ -43,9 +44,8 @@ class Light(msgspec.Struct, frozen=True, kw_only=True):
     shadow: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, most in (("ambient", 1.0), ("highlight", 2000.0), ("shadow", 1.0)):
-            if not 0.0 <= getattr(self, name) <= most:
-                raise ValueError(f"{name} of a light lies in 0 ... {most:g}, got {getattr(self, name)}")
+        limits = {"ambient": (0.0, 1.0), "highlight": (0.0, 2000.0), "shadow": (0.0, 1.0)}
+        require_within(self, limits, "of a light lies in")
 
 
 def draw_balloon(

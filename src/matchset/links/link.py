@@ -1,5 +1,9 @@
-"""The contract of every link to a vehicle: a URI, six methods, and a `with` block that lands when it ends."""
+"""The contract of every link to a vehicle: a URI, six methods, and a `with` block that lands when it ends.
 
+`DeviceLink` is what the links have in common that hold a device.
+"""
+
+from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import Literal, Protocol, Self
 
@@ -7,6 +11,7 @@ import msgspec
 
 from matchset.control.command import Command
 from matchset.links import landing_signals
+from matchset.numeric.copies import NotCopied
 
 State = Literal["binding", "locked", "armed", "holding", "failsafe"]
 """State of the transmitter.
@@ -110,3 +115,63 @@ class Link(Protocol):
 
 
 landing_signals.LANDING.add(Link.__exit__.__code__)
+
+
+class Device(Protocol):
+    """The dialog of a link with what it holds."""
+
+    @property
+    def broken(self) -> bool:
+        """Whether it is gone, or silent for too long."""
+
+    def close(self) -> None:
+        """Let go of it."""
+
+
+class DeviceLink(NotCopied, Link):
+    """What links have in common that hold a device."""
+
+    instead = "one program flies a vehicle; pass the commands on"
+    _open = True
+    _armed: bool
+    _throttle: float
+    _clock: Callable[[], float]
+
+    def _close(self, device: Device) -> None:
+        """Land and close the device, once; a broken device is only closed."""
+        if not self._open:
+            return
+        self._open = False
+        try:
+            if not device.broken:
+                self.land()
+        finally:
+            device.close()
+
+    def _lowering(self, duration: float) -> Iterator[Command]:
+        """Commands, sticks neutral, whose throttle falls to zero over so many seconds, while it is armed."""
+        start, top = self._clock(), self._throttle
+        while self._armed and top > 0 and (past := self._clock() - start) < duration:
+            yield Command(throttle=top * (1.0 - past / duration))
+
+
+def wait_until(done: Callable[[], bool], limit: float, clock: Callable[[], float], step: Callable[[], None]) -> bool:
+    """Wait for a condition; False if it does not hold in time.
+
+    Parameters
+    ----------
+    done : callable
+        Whether it holds.
+    limit : float
+        For how long to wait, s.
+    clock : callable
+        The time, s.
+    step : callable
+        Called again and again meanwhile; it takes a while.
+    """
+    start = clock()
+    while not done():
+        if clock() - start > limit:
+            return False
+        step()
+    return True

@@ -7,6 +7,7 @@ import msgspec
 
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import StatusReport
+from matchset.links.link import wait_until
 
 REFUSED = 1  # format: exit code if the firmware refused, or heard something else
 
@@ -20,12 +21,7 @@ class Radio(msgspec.Struct):
 
     def wait(self, done: Callable[[StatusReport], bool], timeout: float) -> bool:
         """Listen until a report fulfills `done`; False after `timeout`, s."""
-        start = self.clock()
-        while not done(self.link.report):
-            if self.clock() - start > timeout:
-                return False
-            self.sleep(0.02)
-        return True
+        return wait_until(lambda: done(self.link.report), timeout, self.clock, lambda: self.sleep(0.02))
 
 
 def open_radio(port: str) -> Radio:

@@ -17,14 +17,13 @@ from matchset.image.errors import LinkError
 from matchset.links.arduino import channels, messages
 from matchset.links.arduino.messages import Config, Result, StatusReport
 from matchset.links.arduino.protocol import ArduinoParameters, FirmwareClient
-from matchset.links.link import Link, LinkStatus
+from matchset.links.link import DeviceLink, LinkStatus
 from matchset.links.serial_port import Port, SerialPort
-from matchset.numeric.copies import NotCopied
 
 SCHEME = "serial://"
 
 
-class ArduinoLink(NotCopied, Link):
+class ArduinoLink(DeviceLink):
     """A toy quadcopter behind an Arduino; implements `matchset.links.link.Link`.
 
     Parameters
@@ -48,8 +47,6 @@ class ArduinoLink(NotCopied, Link):
         If the port cannot be opened or nothing answers there.
     """
 
-    instead = "one program flies a vehicle; pass the commands on"
-
     def __init__(
         self,
         uri: str,
@@ -61,8 +58,7 @@ class ArduinoLink(NotCopied, Link):
         self.uri = uri if uri.startswith(SCHEME) else SCHEME + uri
         self.parameters = parameters or ArduinoParameters()
         self._clock, self._sleep = clock, sleep
-        self._armed, self._throttle, self._open = False, 0.0, True
-        self._cut = False
+        self._armed, self._throttle, self._cut = False, 0.0, False
         port = SerialPort(self.uri.removeprefix(SCHEME)) if port is None else port
         self.firmware = FirmwareClient(self.uri, port, self.parameters, clock, sleep)
         try:
@@ -127,9 +123,8 @@ class ArduinoLink(NotCopied, Link):
 
         Nothing measures the height meanwhile: begin low.
         """
-        start, top = self._clock(), self._throttle
-        while self._armed and top > 0 and (past := self._clock() - start) < duration:
-            self.send(Command(throttle=top * (1.0 - past / duration)))
+        for command in self._lowering(duration):
+            self.send(command)
             self._sleep(self.parameters.frame_period)
         self._armed = False
         self._repeat(lambda: self.report.state not in ("armed", "holding"), "it did not disarm")
@@ -165,14 +160,7 @@ class ArduinoLink(NotCopied, Link):
 
     def close(self) -> None:
         """Land and close the device; a broken device is only closed."""
-        if not self._open:
-            return
-        self._open = False
-        try:
-            if not self.firmware.broken:
-                self.land()
-        finally:
-            self.firmware.close()
+        self._close(self.firmware)
 
     def _repeat(self, done: Callable[[], bool], message: str) -> None:
         """Send neutral frames, with the arm switch unchanged, until a condition holds."""

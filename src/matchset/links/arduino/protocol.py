@@ -10,7 +10,7 @@ from matchset.image.errors import LinkError
 from matchset.links import crsf_frame as crsf
 from matchset.links.arduino import channels, messages
 from matchset.links.arduino.messages import Config, Result, StatusReport
-from matchset.links.link import State
+from matchset.links.link import State, wait_until
 from matchset.links.serial_port import Port
 
 GROUNDED = ("binding", "locked", "failsafe")  # format: states in which the motors are off
@@ -187,13 +187,13 @@ class FirmwareClient:
 
     def wait(self, done: Callable[[], bool], limit: float, message: str) -> None:
         """Receive until a condition holds; LinkError with the message after `limit`, s."""
-        start = self._clock()
         self.receive()
-        while not done():
-            if self._clock() - start > limit:
-                raise LinkError(f"{self.name}: {message} (waited {limit:g} s)")
-            self._sleep(self.parameters.poll_period)
-            self.receive()
+        if not wait_until(done, limit, self._clock, self._pause):
+            raise LinkError(f"{self.name}: {message} (waited {limit:g} s)")
+
+    def _pause(self) -> None:
+        self._sleep(self.parameters.poll_period)
+        self.receive()
 
     def close(self) -> None:
         """Close the device; one that stopped answering is sent a last frame that disarms."""

@@ -14,12 +14,11 @@ from matchset.links.crsf.parameters import SCHEME, parse_uri
 from matchset.links.crsf.radio_module import RadioModule
 from matchset.links.crsf.sticks import channels, on_air
 from matchset.links.crsf.telemetry import Battery, CrsfAttitude, CrsfTelemetry, Device, FlightMode, LinkStatistics
-from matchset.links.link import Link, LinkStatus, State
+from matchset.links.link import DeviceLink, LinkStatus, State
 from matchset.links.serial_port import Port, SerialPort
-from matchset.numeric.copies import NotCopied
 
 
-class CrsfLink(NotCopied, Link):
+class CrsfLink(DeviceLink):
     """A vehicle behind a transmitter module that speaks CRSF; implements `matchset.links.link.Link`.
 
     Parameters
@@ -48,8 +47,6 @@ class CrsfLink(NotCopied, Link):
         If the port cannot be opened, another program uses it, or no module answers there.
     """
 
-    instead = "one program flies a vehicle; pass the commands on"
-
     def __init__(
         self,
         uri: str,
@@ -62,7 +59,7 @@ class CrsfLink(NotCopied, Link):
         self.uri = SCHEME + path
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         self._armed = self._was_armed = False  # now; since the last landing
-        self._throttle, self._open = 0.0, True
+        self._throttle = 0.0
         port = SerialPort(path, self.parameters.baud) if port is None else port
         self.module = RadioModule(self.uri, port, self.parameters, clock)
         if threaded:
@@ -163,12 +160,12 @@ class CrsfLink(NotCopied, Link):
         Nothing measures the height meanwhile: begin low.
         """
         self.module.watch(False)
-        start, top = self._clock(), self._throttle
-        while self._armed and top > 0 and (past := self._clock() - start) < duration:
-            self._send(Command(throttle=top * (1.0 - past / duration)))
+        start = self._clock()
+        for command in self._lowering(duration):
+            self._send(command)
             self._pause(self.parameters.poll_period)
         self._armed, begin = False, self._clock()
-        while self._was_armed and self._clock() - begin < self.parameters.disarm_time and not self.module.gone:
+        while self._was_armed and self._clock() - begin < self.parameters.disarm_time and not self.module.broken:
             self._send(Command())
             self._pause(self.parameters.poll_period)
         self._send(Command())
@@ -183,14 +180,7 @@ class CrsfLink(NotCopied, Link):
 
     def close(self) -> None:
         """Land, then close the port; a port that is gone is closed only."""
-        if not self._open:
-            return
-        self._open = False
-        try:
-            if not self.module.gone:
-                self.land()
-        finally:
-            self.module.close()
+        self._close(self.module)
 
     def _pause(self, seconds: float) -> None:
         self._sleep(seconds)
@@ -204,7 +194,7 @@ class CrsfLink(NotCopied, Link):
             raise LinkError(f"{self.uri}: nothing has been heard of the vehicle for {age:.1f} s")
 
     def _send(self, command: Command) -> Command:
-        self._armed = self._armed and self.module.may_fly and not self.module.gone
+        self._armed = self._armed and self.module.may_fly and not self.module.broken
         if not self._armed:
             command = Command()
         self.module.want(command, self._armed)

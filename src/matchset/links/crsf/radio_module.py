@@ -90,7 +90,7 @@ class RadioModule:
         return not (self.silent or self.stopped or self.ended)
 
     @property
-    def gone(self) -> bool:
+    def broken(self) -> bool:
         """Whether nothing can be sent any more."""
         return self._error is not None
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 import msgspec
 
 from matchset.image.errors import LinkError
+from matchset.links.link import wait_until
 from matchset.links.mavlink.address import Address
 from matchset.links.mavlink.autopilots import Autopilot, autopilot_of
 from matchset.links.mavlink.message import Values
@@ -276,20 +277,19 @@ class AutopilotClient:
         """Return the error of a refusal, with what the autopilot says about it within `reason_time`."""
         until = self._clock() + self.parameters.reason_time
         while self._clock() < until:
-            self._sleep(self.parameters.poll_period)
-            self.receive()
+            self._pause()
         said = "; ".join(self.telemetry.said_since(since)) or "it does not say why"
         return LinkError(f"{self.name}: {what} refused by {self.autopilot.name} ({result}): {said}")
 
     def wait(self, done: Callable[[], bool], limit: float, message: Callable[[], str]) -> None:
         """Receive until a condition holds; LinkError with the message after `limit`, s."""
-        start = self._clock()
         self.receive()
-        while not done():
-            if self._clock() - start > limit:
-                raise LinkError(f"{self.name}: {message()} (waited {limit:g} s)")
-            self._sleep(self.parameters.poll_period)
-            self.receive()
+        if not wait_until(done, limit, self._clock, self._pause):
+            raise LinkError(f"{self.name}: {message()} (waited {limit:g} s)")
+
+    def _pause(self) -> None:
+        self._sleep(self.parameters.poll_period)
+        self.receive()
 
     def close(self) -> None:
         """Close the port."""

@@ -11,13 +11,12 @@ from collections.abc import Callable
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.link import Link, LinkStatus, State
+from matchset.links.link import DeviceLink, LinkStatus, State, wait_until
 from matchset.links.mavlink.address import parse_address
 from matchset.links.mavlink.autopilots import COPTERS
 from matchset.links.mavlink.client import AutopilotClient, MavlinkParameters
 from matchset.links.mavlink.ports import MavlinkPort, open_port
 from matchset.links.mavlink.telemetry import AutopilotTelemetry
-from matchset.numeric.copies import NotCopied
 
 FULL = 1000  # format: of a stick in MANUAL_CONTROL
 ARM_DISARM, SET_MODE = 400, 176  # format: MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_DO_SET_MODE
@@ -35,7 +34,7 @@ def sticks(command: Command) -> dict[str, int]:
     }
 
 
-class MavlinkLink(NotCopied, Link):
+class MavlinkLink(DeviceLink):
     """A vehicle with an autopilot; implements `matchset.links.link.Link`.
 
     Only a vehicle that this link arms is ever sent sticks, landed or cut: one that somebody else flies is left alone.
@@ -63,8 +62,6 @@ class MavlinkLink(NotCopied, Link):
         If the port cannot be opened, or the vehicle is not found there: see `AutopilotClient.find`.
     """
 
-    instead = "one program flies a vehicle; pass the commands on"
-
     def __init__(
         self,
         uri: str,
@@ -76,7 +73,7 @@ class MavlinkLink(NotCopied, Link):
         self.uri, self.parameters = uri, parameters or MavlinkParameters()
         self._clock, self._sleep = clock, sleep
         self._armed = self._arming = self._ours = self._cut = False
-        self._open, self._throttle, self._sent_at, self._end = True, 0.0, clock(), ""
+        self._throttle, self._sent_at, self._end = 0.0, clock(), ""
         self._changed_at = clock()  # what heartbeats said before does not tell what became of arming or a cut
         address = parse_address(uri)
         port = open_port(address) if port is None else port
@@ -150,9 +147,8 @@ class MavlinkLink(NotCopied, Link):
         Nothing measures the height meanwhile: begin low. If the autopilot believes that it still flies it is disarmed
         by force. A vehicle that the autopilot or another pilot has taken over is left to them.
         """
-        start, top = self._clock(), self._throttle
-        while self._armed and top > 0 and (past := self._clock() - start) < duration:
-            self.send(Command(throttle=top * (1.0 - past / duration)))
+        for command in self._lowering(duration):
+            self.send(command)
             self._sleep(self.parameters.frame_period)
         if self._armed or (self._cut and self._ours):
             self._disarm(by_force=duration == 0 or self._cut)
@@ -170,14 +166,7 @@ class MavlinkLink(NotCopied, Link):
 
     def close(self) -> None:
         """Land and close the port; a broken one is only closed."""
-        if not self._open:
-            return
-        self._open = False
-        try:
-            if not self.client.broken:
-                self.land()
-        finally:
-            self.client.close()
+        self._close(self.client)
 
     def _flying_mode(self, asked: int | None) -> int:
         """Return the mode that is flown in, once the vehicle is known."""
@@ -247,13 +236,15 @@ class MavlinkLink(NotCopied, Link):
 
     def _repeat(self, done: Callable[[], bool], what: str) -> None:
         """Send neutral sticks until a condition holds."""
-        start = self._clock()
-        while not done():
-            if self._clock() - start > self.parameters.arm_timeout:
-                raise self.client.refused(what, "accepted, but not done", start)
+
+        def wait() -> None:
             self._neutral()
             self._sleep(self.parameters.poll_period)
             self.client.check()
+
+        start = self._clock()
+        if not wait_until(done, self.parameters.arm_timeout, self._clock, wait):
+            raise self.client.refused(what, "accepted, but not done", start)
 
     def _disarm(self, by_force: bool) -> None:
         """Disarm until the heartbeat shows it; by force at last."""

@@ -14,6 +14,7 @@ import msgspec
 
 from matchset.image.errors import LinkError
 from matchset.links.datagrams import LAST_PORT, arrived, quiet
+from matchset.links.link import wait_until
 from matchset.links.tello.tello_state import TelloState, parse_state
 from matchset.numeric.copies import NotCopied
 
@@ -226,26 +227,24 @@ class TelloClient:
             If it does not answer, or no state comes.
         """
         p = self.parameters
-        start = said = self._clock()
+        said = self._clock()
         self.say("command")
-        while not self.answer:
-            if self._clock() - start > p.startup_timeout:
-                waited = f"(waited {p.startup_timeout:g} s)"
-                raise LinkError(f"{self.name}: nobody answers: is this computer in its Wi-Fi? {waited}")
+
+        def repeat() -> None:
+            nonlocal said
             if self._clock() - said > p.repeat_period:
                 said = self._clock()
                 self.say("command")
-            self._sleep(p.poll_period)
-            self.receive()
+            self._pause()
+
+        if not wait_until(lambda: bool(self.answer), p.startup_timeout, self._clock, repeat):
+            waited = f"(waited {p.startup_timeout:g} s)"
+            raise LinkError(f"{self.name}: nobody answers: is this computer in its Wi-Fi? {waited}")
         self._check("command")
         if (address.states, address.video) != (STATES, VIDEO):
             self.ask(f"port {address.states} {address.video}")
-        start = self._clock()
-        while self.state is None:
-            if self._clock() - start > p.answer_timeout:
-                raise LinkError(f"{self.name}: it answers but sends no state to port {address.states}: a firewall?")
-            self._sleep(p.poll_period)
-            self.receive()
+        if not wait_until(lambda: self.state is not None, p.answer_timeout, self._clock, self._pause):
+            raise LinkError(f"{self.name}: it answers but sends no state to port {address.states}: a firewall?")
 
     def say(self, words: str) -> None:
         """Send a command whose answer is to come into `answer`.
@@ -281,14 +280,14 @@ class TelloClient:
             If it is refused, with the answer, or not answered.
         """
         self.say(words)
-        start = self._clock()
-        while not self.answer:
-            if self._clock() - start > self.parameters.answer_timeout:
-                raise LinkError(f"{self.name}: {words!r} is not answered")
-            self._sleep(self.parameters.poll_period)
-            self.receive()
+        if not wait_until(lambda: bool(self.answer), self.parameters.answer_timeout, self._clock, self._pause):
+            raise LinkError(f"{self.name}: {words!r} is not answered")
         self._check(words)
         return self.answer
+
+    def _pause(self) -> None:
+        self._sleep(self.parameters.poll_period)
+        self.receive()
 
     def receive(self) -> None:
         """Read what has arrived; never waits.

@@ -16,10 +16,9 @@ from typing import Literal
 
 from matchset.control.command import HOLD, Command
 from matchset.image.errors import LinkError
-from matchset.links.link import Link, LinkStatus, State
+from matchset.links.link import DeviceLink, LinkStatus, State
 from matchset.links.tello.tello_client import Sockets, TelloClient, TelloParameters, UdpSockets, parse_tello
 from matchset.links.tello.tello_state import TelloState
-from matchset.numeric.copies import NotCopied
 
 FULL = 100  # format: of a speed in ``rc``
 
@@ -32,7 +31,7 @@ def speeds(command: Command) -> tuple[int, int, int, int]:
     return round(command.roll * FULL), round(command.pitch * FULL), round(up * FULL), round(command.yaw * FULL)
 
 
-class TelloLink(NotCopied, Link):
+class TelloLink(DeviceLink):
     """A Tello; implements `matchset.links.link.Link`, as far as a vehicle that is told speeds allows.
 
     Parameters
@@ -60,8 +59,6 @@ class TelloLink(NotCopied, Link):
         If a port is in use, or nobody answers.
     """
 
-    instead = "one program flies a vehicle; pass the commands on"
-
     def __init__(
         self,
         uri: str = "tello:",
@@ -75,7 +72,7 @@ class TelloLink(NotCopied, Link):
         self.video = f"udp://0.0.0.0:{address.video}"
         self._clock, self._sleep = clock, sleep
         self._phase: Phase = "grounded"
-        self._armed, self._open, self._end, self._cuts = False, True, "", 0
+        self._armed, self._end, self._cuts = False, "", 0
         self._since = self._sent_at = clock()
         self._floor_at: float | None = None
         self._held, self._lock, self._closed = False, threading.RLock(), threading.Event()

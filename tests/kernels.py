@@ -17,6 +17,7 @@ from matchset.image.light.color_adaptation import AdaptationParameters, adapt_ta
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Record, fields, new_block, store
 from matchset.shapes.circle import Circle
+from matchset.sim.quadrotor import SETPOINT, VEHICLE, WAKE, advance, write_downwash
 from matchset.tracking.search import peak_circles, voting
 
 WORK = workspace_dtype(MAX_LINES, STATE, PLACE_COLUMNS)
@@ -226,3 +227,13 @@ def votes_for_centers(
     accumulator = voting.Accumulator(smooth.shape, (nearest, farthest), 1, voting.SearchParameters())
     accumulator.count_votes(smooth, edges)
     return np.stack((accumulator.votes, peak_circles.sum_votes(accumulator.votes)))
+
+
+def step_vehicle(state: Floats, wanted: Floats, wind: Floats, constants: Floats, step: float) -> None:
+    """Advance one vehicle by one step, in place."""
+    advance(state, wanted.view(SETPOINT)[0], wind, constants.view(VEHICLE)[0], step)
+
+
+def downwash(states: Floats, who: int, wake: Floats, wind: Floats) -> None:
+    """Write the velocity of the air at a vehicle in the wakes of those above it."""
+    write_downwash(states, who, wake.view(WAKE)[0], wind)

@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+from kernels import step_vehicle
 from matchset.control.ego_motion import STATE, EgoMotion, EgoState
 from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand, EgoMotionParameters
 from matchset.numeric.record import fields, new_block
 from matchset.sim import quadrotor
-from matchset.sim.quadrotor import rotation_matrix, state_at_rest, step_vehicle, vehicle_constants
+from matchset.sim.quadrotor import rotation_matrix, state_at_rest, vehicle_constants
 from matchset.sim.vehicle import toy
 
 MODEL = EgoMotionParameters(

@@ -8,16 +8,15 @@ import pytest
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from kernels import downwash, step_vehicle
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import (
     GRAVITY,
     STATE,
     VEHICLE,
     WakeParameters,
-    downwash,
     rotation_matrix,
     state_at_rest,
-    step_vehicle,
     vehicle_constants,
     wake_constants,
 )

@@ -75,7 +75,6 @@ class RegionMemory:
     line: Annotated[Floats, (PLACES,), "f8"]
 
 
-REGION_LIMITS = record_dtype(RegionLimits)
 REGION_MEMORY = record_dtype(RegionMemory)
 
 

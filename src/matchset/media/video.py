@@ -6,7 +6,6 @@ import re
 import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from msgspec.structs import replace
@@ -14,6 +13,7 @@ from msgspec.structs import replace
 from matchset.image.frame import Frame
 from matchset.media.bags.bag import Bag, is_bag
 from matchset.media.camera_stream import LiveSource
+from matchset.media.closing import Closing
 from matchset.media.streams.camera_settings import Settings, differences
 from matchset.media.streams.silence import Silence
 from matchset.media.upright.orientation import AS_STORED
@@ -25,7 +25,7 @@ from matchset.numeric.copies import NotCopied
 from matchset.numeric.words import one_line
 
 
-class Video(NotCopied):
+class Video(NotCopied, Closing):
     """Frames of a file, a folder of pictures, a bag, a camera or a stream, one after the other.
 
     A file, folder or bag delivers every frame, in decode order. A live source delivers the newest frame and drops
@@ -320,14 +320,6 @@ class Video(NotCopied):
         """Let go of the file or device; its thread has ended afterwards. More than once does no harm."""
         self._closed = True
         self._finalizer()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def _finite(name: str, value: float) -> float:

@@ -1,4 +1,4 @@
-"""A toy quadcopter as a rigid body: sticks command angles, a yaw rate and thrust; `step_vehicle`.
+"""A toy quadcopter as a rigid body: sticks command angles, a yaw rate and thrust; `advance`.
 
 Frames as the camera's: x right, y down, z forward; the world's y is down too. R = Ry(yaw) Rx(-pitch) Rz(roll) turns
 body vectors into the world. With m the mass and M the mass that accelerates (balloon air and added mass included),
@@ -204,28 +204,22 @@ def _slope(state: Block, setpoint: Any, wind: Floats, constants: Any, turn: Floa
 
 
 @kernel
-def step_vehicle(state: Block, setpoint: Block, wind: Floats, constants: Block, step: float) -> None:
+def advance(state: Block, setpoint: Any, wind: Floats, constants: Any, step: float) -> None:
     """Advance one vehicle by one step of the classical Runge-Kutta method, in place.
 
     Parameters
     ----------
     state : (17,), written
         `VehicleState`.
-    setpoint : (4,)
+    setpoint : Record
         `Setpoint`.
     wind : (3,)
         Velocity of the air, m/s.
-    constants : (13,)
+    constants : Record
         `vehicle_constants`.
     step : float
         s.
     """
-    advance(state, setpoint.view(SETPOINT)[0], wind, constants.view(VEHICLE)[0], step)
-
-
-@kernel
-def advance(state: Block, setpoint: Any, wind: Floats, constants: Any, step: float) -> None:
-    """Advance one vehicle as `step_vehicle` does, for kernels that hold setpoint and constants as records."""
     turn = np.empty((3, 3))
     slopes = np.empty((4, STATE_SIZE))
     probe = np.empty(STATE_SIZE)
@@ -243,9 +237,9 @@ def advance(state: Block, setpoint: Any, wind: Floats, constants: Any, step: flo
         quaternion[k] /= length
 
 
-@kernel
-def downwash(states: Floats, who: int, wake: Block, wind: Floats) -> None:
-    """Velocity of the air at a vehicle in the wakes of those above it.
+@kernel(refcount=False)
+def write_downwash(states: Floats, who: int, wake: Any, wind: Floats) -> None:
+    """Write the velocity of the air at a vehicle in the wakes of those above it.
 
     Momentum theory: v = sqrt(T / (2 rho A)) in the disc; below it the wake is a Gaussian jet that widens and keeps its
     momentum.
@@ -256,17 +250,11 @@ def downwash(states: Floats, who: int, wake: Block, wind: Floats) -> None:
         `VehicleState` of each.
     who : int
         The vehicle.
-    wake : (4,)
+    wake : Record
         `wake_constants`.
     wind : (3,), written
         m/s.
     """
-    write_downwash(states, who, wake.view(WAKE)[0], wind)
-
-
-@kernel(refcount=False)
-def write_downwash(states: Floats, who: int, wake: Any, wind: Floats) -> None:
-    """Write the velocity of the air as `downwash` does, for kernels that hold `Wake` as a record."""
     wind[:] = 0.0
     if wake.air_density <= 0.0:
         return

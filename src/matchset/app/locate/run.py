@@ -8,7 +8,7 @@ from typing import TextIO
 from matchset.app.adapters.mavlink_poses import published
 from matchset.app.backward.before_click import before_click
 from matchset.app.drawing.picture_file import write_picture
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.exit_codes import StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
 from matchset.app.guidance.next_command import FailedRun, kept_options
 from matchset.app.locate.annotate_pose import PosePainter
@@ -28,7 +28,7 @@ from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import output_folder
 from matchset.app.target.target_options import RefusedClickError
-from matchset.app.track.loop import RunStatistics, print_summary
+from matchset.app.track.loop import RunStatistics, exit_code, print_summary
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.ball_target import BallTarget
@@ -92,10 +92,7 @@ def run_locate(options: LocateOptions) -> int:
                 _say_left_out(camera, ball, out)
         if not stop:
             explainer.explain(folder, out)
-    if stop:
-        print("note: stopped; the files hold what was done so far", file=sys.stderr)
-        return stop.code
-    return FOUND if statistics.found else NOT_FOUND
+    return exit_code(stop, statistics)
 
 
 def _ball(options: LocateOptions) -> BallTarget:

@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -10,7 +11,7 @@ from typing import Any, Protocol, TextIO
 
 import msgspec
 
-from matchset.app.exit_codes import StopRequest, print_warnings
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_warnings
 from matchset.app.target.target_options import LearnedTarget
 from matchset.app.timing.durations import Durations, ms_text
 from matchset.app.track.rows import TrackRow, track_row
@@ -244,3 +245,11 @@ def print_summary(video: Video, statistics: RunStatistics, words: str, files: It
         print(line, file=out)
     for path in files:
         print(f"  {path}", file=out)
+
+
+def exit_code(stop: StopRequest, statistics: RunStatistics) -> int:
+    """Say that the run was stopped, if it was, and return its exit code."""
+    if stop:
+        print("note: stopped; the files hold what was done so far", file=sys.stderr)
+        return stop.code
+    return FOUND if statistics.found else NOT_FOUND

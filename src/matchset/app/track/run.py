@@ -12,7 +12,7 @@ from matchset.app.backward.before_click import before_click
 from matchset.app.cli_options import source_words
 from matchset.app.course.log import ShapeLog
 from matchset.app.drawing.annotate import TrackPainter
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.exit_codes import StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
 from matchset.app.guidance.next_command import FailedRun, kept_options
 from matchset.app.parameters_file import tracker_parameters
@@ -21,7 +21,7 @@ from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.run_folder import output_folder
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.target.target_options import RefusedClickError, check_target_options, target_for
-from matchset.app.track.loop import RunStatistics, TrackedFrame, follow, print_summary, trackers_for
+from matchset.app.track.loop import RunStatistics, TrackedFrame, exit_code, follow, print_summary, trackers_for
 from matchset.app.track.options import TrackOptions
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.rows import track_table
@@ -75,10 +75,7 @@ def run_track(options: TrackOptions) -> int:
             print_summary(video, statistics, "tracking", files, out)
         if not stop:
             explainer.explain(folder, out)
-    if stop:
-        print("note: stopped; the files hold what was done so far", file=sys.stderr)
-        return stop.code
-    return FOUND if statistics.found else NOT_FOUND
+    return exit_code(stop, statistics)
 
 
 def _outputs(

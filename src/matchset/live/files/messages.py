@@ -56,5 +56,4 @@ class StopExport(PageMessage, frozen=True, tag="stop_export"):
     """Stop writing; what is not finished is deleted."""
 
 
-Transport = Play | Pause | Step | Seek | Speed
 MESSAGES: tuple[type[PageMessage], ...] = (Play, Pause, Step, Seek, Speed, Correct, Export, StopExport)

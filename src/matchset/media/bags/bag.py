@@ -19,6 +19,7 @@ from matchset.media.bags.rosbag_file import RosbagFile
 from matchset.media.bags.video_messages import DecodedPicture, VideoMessages, codec_of
 from matchset.media.upright.depth import DepthScaling
 from matchset.media.video_files.image_folder import in_order
+from matchset.media.video_files.recorded import Recorded
 from matchset.media.video_files.video_file import check_readable
 
 SUFFIXES = (".bag", ".db3", ".mcap", ".active")
@@ -54,7 +55,7 @@ class _Picture(NamedTuple):
     damaged: bool = False
 
 
-class Bag:
+class Bag(Recorded):
     """The pictures of one topic of a bag, one frame each, in the order in which they were recorded.
 
     Parameters
@@ -75,9 +76,6 @@ class Bag:
         If the bag cannot be read, the topic is not there, or is not the only one with pictures and was not named, or
         no picture of it decodes; also while reading, where the file is damaged.
     """
-
-    live = False
-    dropped = 0
 
     def __init__(self, path: Path, topic: str | None, fps: float | None, damaged: bool = True) -> None:
         self.path, self.broken, self.damaged, self._depth, self._keeps_damaged = path, 0, 0, DepthScaling(), damaged
@@ -117,13 +115,6 @@ class Bag:
         if self._file.cut_off:
             words.append(f"{self.path} ends in the middle: it was not closed")
         return words
-
-    def read(self) -> Frame | None:
-        """Next picture that decodes, or None at the end."""
-        if self._first is not None:
-            frame, self._first = self._first, None
-            return frame
-        return self._decode()
 
     def _decode(self) -> Frame | None:
         for picture in self._pictures:

@@ -9,12 +9,13 @@ from matchset.image.files.reading import read_limited
 from matchset.image.frame import Frame
 from matchset.media.picture import decode_deep
 from matchset.media.upright.depth import DepthScaling
+from matchset.media.video_files.recorded import Recorded
 
 SUFFIXES = {".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff", ".webp"}
 DEFAULT_FPS = 30.0  # format: a folder states no frame rate
 
 
-class ImageFolder:
+class ImageFolder(Recorded):
     """The pictures of a folder in natural order (2 before 10), one frame each; gray ones stay gray.
 
     Parameters
@@ -30,8 +31,7 @@ class ImageFolder:
         If there is no picture, or none of them decodes.
     """
 
-    live = False
-    dropped = damaged = 0
+    damaged = 0
 
     def __init__(self, path: Path, fps: float | None) -> None:
         self._paths = in_order(path)
@@ -49,13 +49,6 @@ class ImageFolder:
     def warnings(self) -> list[str]:
         """What is not as it should be, so far."""
         return self._depth.notes
-
-    def read(self) -> Frame | None:
-        """Next picture that decodes, or None at the end."""
-        if self._first is not None:
-            frame, self._first = self._first, None
-            return frame
-        return self._decode()
 
     def go_to(self, index: int) -> None:
         """Go on with the picture of this index."""

@@ -16,6 +16,7 @@ from matchset.media.video_files.container import Container, look_into
 from matchset.media.video_files.file_clock import FileClock
 from matchset.media.video_files.file_view import file_view
 from matchset.media.video_files.pyav_capture import has_pyav, open_pyav
+from matchset.media.video_files.recorded import Recorded
 from matchset.media.video_files.stream_choice import choose_stream
 from matchset.media.video_files.upright_capture import UprightCapture
 from matchset.numeric.imports import advice
@@ -53,7 +54,7 @@ class VideoFileParameters(msgspec.Struct, frozen=True):
 DEFAULT = VideoFileParameters()
 
 
-class VideoFile:
+class VideoFile(Recorded):
     """A video file.
 
     OpenCV says False to a broken frame and at the end of the file alike, but goes on behind a broken frame
@@ -86,9 +87,6 @@ class VideoFile:
         If the file is missing, cannot be read, is no video, or no frame of it decodes.
     """
 
-    live = False
-    dropped = 0
-
     def __init__(self, path: Path, fps: float | None, wish: Wish = ANY) -> None:
         self.path, self._wish = path, wish
         check_readable(path)
@@ -96,7 +94,7 @@ class VideoFile:
         if self._container.encrypted:
             raise ValueError(f"{path} is encrypted: it can only be decoded with its key")
         self._choice = choose_stream(path, self._container.tracks, wish.stream)
-        self._first: Frame | None = None
+        self._first = None
         number = self._choice.number
         by_pyav = number > 0 or wish.damaged is not None
         if by_pyav and not has_pyav():
@@ -145,13 +143,6 @@ class VideoFile:
     def warnings(self) -> list[str]:
         """What is not as it should be, so far, one sentence each."""
         return [*self._choice.notes, *self.view.notes, *self._clock.warnings, *self._notes]
-
-    def read(self) -> Frame | None:
-        """Next frame that decodes, or None at the end."""
-        if self._first is not None:
-            frame, self._first = self._first, None
-            return frame
-        return self._decode()
 
     def _decode(self) -> Frame | None:
         unread = 0 if self._announced is None else self._announced - self._next

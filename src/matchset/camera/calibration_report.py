@@ -122,13 +122,7 @@ def covered_cells(views: list[BoardView], width: int, height: int) -> npt.NDArra
 
 
 def unseen_corners(views: list[BoardView], width: int, height: int) -> list[str]:
-    """Name the corners of the picture in which no corner of the board was seen.
-
-    Parameters
-    ----------
-    views : list of BoardView
-    width, height : int
-        Size of the picture, px.
+    """Name the corners of the picture in which no corner of the board was seen, from what `covered_cells` takes.
 
     Returns
     -------

@@ -30,17 +30,7 @@ _BINNING = "binning_x", "binning_y"
 
 
 def read_yaml(text: str) -> tuple[dict[str, Any], Keys]:
-    """Read a camera of ROS or OpenCV.
-
-    Parameters
-    ----------
-    text : str
-        The first document of it counts.
-
-    Returns
-    -------
-    tuple of dict and dict
-        The fields of `CameraModel`, and the key of the file that each came from.
+    """Read a camera of ROS or OpenCV from a text, as `camera_toml.read_camera` returns it; its first document counts.
 
     Raises
     ------

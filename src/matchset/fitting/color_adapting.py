@@ -63,23 +63,12 @@ class ColorAdapting:
             adapt_table(image, *tables, outline, interior, x, y, quadrant, self._block)
 
     def keep(self, image: Image, color: ColorModel) -> None:
-        """Keep a color, and a few pixels of a picture in whose light it is right.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
-        """
+        """Keep a color, and a few pixels of a picture (h, w, channels), uint8, in whose light it is right."""
         if self._relighting.used and not color.gray:
             self._kept = thinned(image, self._relighting.side), color.log_odds.copy()
 
     def relight(self, image: Image, color: ColorModel) -> tuple[ColorModel, Floats] | None:
-        """Take the color that was kept in the light of a picture, where that has changed as a whole.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
+        """Take the color that was kept in the light of a picture, as of `keep`, where that has changed as a whole.
 
         Returns
         -------

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.circle_score import SCORE, CircleTuple, Floats, LabImage, median, score_circle
+from matchset.image.disc_network.lab import lab_of
 from matchset.numeric.jit import helper, kernel
 
 Points = npt.NDArray[np.int32]
@@ -129,7 +130,7 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     """
     scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
-    lab = lab_of(small)
+    lab = smooth_lab(small)
     scored = sorted(((score_circle(lab, circle).whole, circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []
     for score, circle in scored:
@@ -140,7 +141,7 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     return [_candidate(lab, circle, score, scale) for score, circle in kept]
 
 
-def lab_of(image: npt.NDArray[Any]) -> LabImage:
+def smooth_lab(image: npt.NDArray[Any]) -> LabImage:
     """Convert to CIE Lab, smoothed according to the noise, with lightness weighted less than chroma.
 
     Parameters
@@ -156,8 +157,7 @@ def lab_of(image: npt.NDArray[Any]) -> LabImage:
     # The median of the Laplacian's magnitude measures the noise: edges are too few to change it.
     roughness = np.abs(cv2.Laplacian(color[..., 1], cv2.CV_32F)).ravel()
     sigma = min(SCORE.max_blur, SCORE.blur + float(median(roughness)) / SCORE.blur_scale)
-    smooth = cv2.GaussianBlur(color, (0, 0), sigma).astype(np.float32) / 255.0
-    lab = cv2.cvtColor(smooth, cv2.COLOR_BGR2LAB).astype(np.float32, copy=False)
+    lab = lab_of(np.asarray(cv2.GaussianBlur(color, (0, 0), sigma)))
     gray = float(np.percentile(np.abs(lab[..., 1:]), 99.0)) < SCORE.gray_chroma
     lab[..., 0] *= 1.0 if gray else SCORE.lightness
     return lab

@@ -47,20 +47,7 @@ def coverage_picture(
 
 
 def coverage_map(picture: Picture, views: list[BoardView]) -> Picture:
-    """Draw the same without words.
-
-    Parameters
-    ----------
-    picture : ndarray of shape (h, w, 3) or (h, w), uint8
-        One of the pictures.
-    views : list of BoardView
-        Those that were used.
-
-    Returns
-    -------
-    ndarray of shape (h, w, 3), uint8
-        BGR.
-    """
+    """Draw the same as `coverage_picture`, without words."""
     height, width = picture.shape[:2]
     scale = min(_MAX_SIDE_PX / max(width, height), max(_MIN_WIDTH_PX / width, 1.0))
     size = round(width * scale), round(height * scale)

@@ -3,10 +3,8 @@
 import operator
 from pathlib import Path
 
-import msgspec
-
 from matchset.app.tables import Column, CsvLine, RowWriter, read_csv
-from matchset.app.track.rows import frame_columns, read_std, std_columns, value_columns
+from matchset.app.track.rows import FrameRow, frame_columns, read_std, std_columns, value_columns
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -15,15 +13,11 @@ RELATIVE = ("side", "height", "heading", "yaw")
 _DECIMALS = 6  # format: 1e-6 m and rad
 
 
-class PoseRow(msgspec.Struct, frozen=True):
+class PoseRow(FrameRow, frozen=True):
     """The pose in one frame, as tables hold it.
 
     Parameters
     ----------
-    frame : int
-        Its index in the video, from 0, in decode order.
-    time : float
-        When it was taken, s.
     values : dict of str to float, or None
         `x`, `y`, `z` of the ball in the camera frame, m; where the rotation was observed `side`, `height`, `heading`,
         m, and `yaw`, rad. None where the ball was not located.
@@ -35,8 +29,6 @@ class PoseRow(msgspec.Struct, frozen=True):
         Why it was not located, in words; empty where it was.
     """
 
-    frame: int
-    time: float
     values: dict[str, float] | None = None
     std: dict[str, float] | None = None
     observed: str = ""

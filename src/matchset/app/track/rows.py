@@ -16,8 +16,8 @@ _DECIMALS = 4  # format: 1e-4 px, far below the noise of any camera
 _STD = "_std"
 
 
-class TrackRow(msgspec.Struct, frozen=True):
-    """The answer for one frame, as tables hold it.
+class FrameRow(msgspec.Struct, frozen=True):
+    """What every table says of a frame.
 
     Parameters
     ----------
@@ -25,6 +25,17 @@ class TrackRow(msgspec.Struct, frozen=True):
         Its index in the video, from 0, in decode order.
     time : float
         When it was taken, s.
+    """
+
+    frame: int
+    time: float
+
+
+class TrackRow(FrameRow, frozen=True):
+    """The answer for one frame, as tables hold it.
+
+    Parameters
+    ----------
     shape : dict of str to float, or None
         The shape's parameters by name, px and rad; None where it was not found.
     std : dict of str to float, or None
@@ -35,8 +46,6 @@ class TrackRow(msgspec.Struct, frozen=True):
         Why it was not found, in words; empty where it was.
     """
 
-    frame: int
-    time: float
     shape: dict[str, float] | None = None
     std: dict[str, float] | None = None
     support: float | None = None

@@ -8,21 +8,25 @@ from typing import Any, get_args
 
 import msgspec
 
+# format: of controllers by angles and by speeds
+_CONTROLLERS = {
+    "level": "horizontal",
+    "rise": "vertical",
+    "lead": "horizontal_lead",
+    "rise_lead": "vertical_lead",
+    "ahead": "oscillation_feedforward",
+    "drift": "drift_feedforward",
+    "pace": "horizontal_feedforward",
+    "rise_pace": "vertical_feedforward",
+}
 # format: the older key and the name of the parameter, by the class of the table that both are in
 OLDER_KEYS: dict[str, dict[str, str]] = {
     "FlightParameters": {
         "long": "long_chain",
     },
     "FollowerParameters": {
-        "level": "horizontal",
-        "rise": "vertical",
+        **_CONTROLLERS,
         "hover": "hover_throttle",
-        "lead": "horizontal_lead",
-        "rise_lead": "vertical_lead",
-        "ahead": "oscillation_feedforward",
-        "drift": "drift_feedforward",
-        "pace": "horizontal_feedforward",
-        "rise_pace": "vertical_feedforward",
         "own": "ego_motion",
         "motion": "neighbor_filter",
         "answer": "motion_consistency",
@@ -148,17 +152,7 @@ OLDER_KEYS: dict[str, dict[str, str]] = {
         "begin": "settling_time",
         "averaging": "averaging_time",
     },
-    "SpeedParameters": {
-        "level": "horizontal",
-        "rise": "vertical",
-        "lead": "horizontal_lead",
-        "rise_lead": "vertical_lead",
-        "ahead": "oscillation_feedforward",
-        "drift": "drift_feedforward",
-        "pace": "horizontal_feedforward",
-        "rise_pace": "vertical_feedforward",
-        "takeoff": "takeoff_duration",
-    },
+    "SpeedParameters": {**_CONTROLLERS, "takeoff": "takeoff_duration"},
     "SafetyParameters": {
         "tilt": "max_tilt",
         "yaw": "max_yaw",

@@ -62,14 +62,7 @@ def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Pa
 
 
 def colors_of(image: Image, circle: Circle3) -> Colors | None:
-    """Shares of the colors inside a circle; None where nothing of that is in the picture.
-
-    Parameters
-    ----------
-    image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
-        BGR or gray.
-    circle : (x, y, radius)
-        px.
+    """Shares of the colors inside a circle; None where nothing of that is in the picture. See `read_patch`.
 
     Returns
     -------

@@ -90,14 +90,10 @@ def landing_target(pose: Pose, mount: CameraAxes, diameter: float, time: float) 
 
     Parameters
     ----------
-    pose : Pose
-        Of the ball.
-    mount : CameraAxes
-        How the camera sits on the vehicle.
+    pose, mount, time
+        See `odometry_of_camera`.
     diameter : float
         Of the ball, m.
-    time : float
-        When the picture was taken, s, on our clock.
     """
     x, y, z = (mount.turn @ pose.position + mount.offset).tolist()
     right, down, ahead = pose.position.tolist()
@@ -125,14 +121,10 @@ def target_relative(pose: Pose, mount: CameraAxes, attitude: AutopilotAttitude |
 
     Parameters
     ----------
-    pose : Pose
-        Of the ball.
-    mount : CameraAxes
-        How the camera sits on the vehicle.
+    pose, mount, time
+        See `odometry_of_camera`.
     attitude : AutopilotAttitude or None
         Of the vehicle when the picture was taken; None if it is not known.
-    time : float
-        When the picture was taken, s, on our clock.
     """
     turn, known = mount.turn, pose.rotation_matrix is not None
     x, y, z = (turn @ pose.position + mount.offset).tolist()

@@ -45,7 +45,7 @@ class McapImages:
     Attributes
     ----------
     cut_off : bool
-        Whether the program that wrote the file did not close it.
+        Whether it ends in the middle: it was not closed.
 
     Raises
     ------

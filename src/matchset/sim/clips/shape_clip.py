@@ -113,15 +113,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         return Scene.room(self.seed).render(self._camera, *viewpoint(self.seed))
 
     def render(self, index: int, room: Picture) -> Frame:
-        """Render one frame.
-
-        Parameters
-        ----------
-        index : int
-            Which frame.
-        room : ndarray of shape (h, w, 3), float32
-            The background; unchanged.
-        """
+        """Render one frame before a background, (h, w, 3), float32, which stays unchanged."""
         picture, link = room.copy(), PRESETS[self.preset]
         for rows, time in fields(index, link.interlaced):
             self._draw(picture, rows, time)

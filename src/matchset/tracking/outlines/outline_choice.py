@@ -42,11 +42,6 @@ HALF_WIDTH = 20.0  # geometry: of the shape that is looked at for that, px
 class OutlineChoice:
     """Chooses outlines of one family.
 
-    Parameters
-    ----------
-    fitter : Fitter
-    parameters : TrackerParameters
-
     Attributes
     ----------
     is_disc : bool

@@ -171,18 +171,7 @@ class Searcher:
         return circles
 
     def hulls(self, image: Bytes, color: ColorModel) -> list[Floats]:
-        """Rough convex outlines of the regions that look like the target, largest first.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
-
-        Returns
-        -------
-        list of ndarray of shape (m, 2), float64
-            px.
-        """
+        """Rough convex outlines (m, 2), px, of what looks like the target, largest first; image as of `candidates`."""
         if not self.fits:
             return []
         return region_hulls(self._smooth_grid(image, color), self.stride, self.parameters)

@@ -5,10 +5,11 @@ are called first and import nothing heavy, so that a wrong name is said at once.
 the folders, and look once more.
 """
 
+import contextlib
 import errno
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import combinations
 from pathlib import Path
 
@@ -73,6 +74,15 @@ def check_outputs(files: Iterable[Path | None], inputs: Iterable[str | Path | No
             raise ValueError(f"{one} and {other} are one file: give each output a name of its own")
 
 
+@contextlib.contextmanager
+def writing(what: str) -> Iterator[None]:
+    """Name what could not be written, and why, where the system refuses it (ValueError)."""
+    try:
+        yield
+    except OSError as error:
+        raise ValueError(f"cannot write {what}: {error.strerror}") from error
+
+
 def output_folder(wanted: Path | None, command: str, force: bool = False) -> Path:
     """Make the folder for a command's output.
 
@@ -98,11 +108,9 @@ def output_folder(wanted: Path | None, command: str, force: bool = False) -> Pat
     if wanted is None:
         return _numbered_folder(command)
     _check_folder(wanted, force)
-    try:
+    with writing(f"to the folder {wanted}"):
         wanted.mkdir(parents=True, exist_ok=True)
         _check_writable(wanted)
-    except OSError as error:
-        raise ValueError(f"cannot write to the folder {wanted}: {error.strerror}") from error
     return wanted
 
 
@@ -129,17 +137,15 @@ def output_file(wanted: Path, force: bool = False, source: str | Path | None = N
         If it exists and `force` is not given, if it is what is read, or its folder cannot be made or written.
     """
     _check_file(wanted, [] if source is None else [Path(source)], force)
-    try:
+    with writing(f"{wanted}"):
         wanted.parent.mkdir(parents=True, exist_ok=True)
         if not wanted.exists():
             _check_writable(wanted.parent)
-    except OSError as error:
-        raise ValueError(f"cannot write {wanted}: {error.strerror}") from error
     return wanted
 
 
 def _numbered_folder(command: str) -> Path:
-    try:
+    with writing(f"to the folder {RUNS}"):
         RUNS.mkdir(exist_ok=True)
         numbers = [int(found[0]) for entry in RUNS.iterdir() if (found := re.match(r"\d+", entry.name))]
         number = max(numbers, default=0) + 1
@@ -151,25 +157,21 @@ def _numbered_folder(command: str) -> Path:
                 number += 1
             else:
                 return folder
-    except OSError as error:
-        raise ValueError(f"cannot write to the folder {RUNS}: {error.strerror}") from error
 
 
 def _check_folder(wanted: Path, force: bool) -> None:
     """Refuse a folder that holds files, if `force` is not given, is a file, or cannot be made."""
-    try:
+    with writing(f"to the folder {wanted}"):
         if wanted.exists() and not wanted.is_dir():
             raise ValueError(f"cannot write to the folder {wanted}: {wanted} is a file, not a folder")
         if not force and wanted.is_dir() and any(wanted.iterdir()):
             raise ValueError(f"the folder {wanted} is not empty: choose another, or overwrite with --force")
         _check_ancestor(wanted)
-    except OSError as error:
-        raise ValueError(f"cannot write to the folder {wanted}: {error.strerror}") from error
 
 
 def _check_file(wanted: Path, sources: Iterable[Path], force: bool) -> None:
     """Refuse a file that is one of the sources, is a folder, exists, if `force` is not given, or cannot be made."""
-    try:
+    with writing(f"{wanted}"):
         for source in sources:
             if _is_read(wanted, source):
                 raise ValueError(f"{wanted} is what is read, {source}: give the output another name")
@@ -178,8 +180,6 @@ def _check_file(wanted: Path, sources: Iterable[Path], force: bool) -> None:
         if wanted.exists() and not force:
             raise ValueError(f"{wanted} exists: choose another name, or overwrite with --force")
         _check_ancestor(wanted)
-    except OSError as error:
-        raise ValueError(f"cannot write {wanted}: {error.strerror}") from error
 
 
 def _check_ancestor(wanted: Path) -> None:

@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.brightness import as_gray
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost
 
@@ -172,8 +173,7 @@ class BoardFinder:
         View or Lost
             All corners of a chessboard, those that are seen of a ChArUco board.
         """
-        image = frame.image if frame.image.ndim == 2 else np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY))
-        image = np.ascontiguousarray(image, np.uint8)
+        image = np.ascontiguousarray(as_gray(frame.image), np.uint8)
         found = self._chessboard(image) if self.board.marker is None else self._charuco(image)
         if found is None or len(found[0]) < self.parameters.min_corners:
             return Lost(f"no {self.board} in the picture", frame.time)

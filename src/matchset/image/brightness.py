@@ -78,6 +78,13 @@ def _lightness() -> npt.NDArray[np.float32]:
     return np.asarray(0.114 * b + 0.587 * g + 0.299 * r, np.float32).ravel()
 
 
+def as_gray(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Gray values (h, w) of a picture (h, w, 3), BGR, (h, w, 1) or (h, w)."""
+    if image.ndim == 2:
+        return image
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.shape[2] == 3 else image[:, :, 0], np.uint8)
+
+
 def level_in(image: npt.NDArray[np.uint8], parameters: BrightnessParameters = DEFAULT) -> float:
     """Gray value that parts a picture best in dark and light, from a few thousand of its pixels.
 
@@ -88,9 +95,7 @@ def level_in(image: npt.NDArray[np.uint8], parameters: BrightnessParameters = DE
     """
     down, right = (max(length // parameters.samples, 1) for length in image.shape[:2])
     few = np.ascontiguousarray(image[::down, ::right])
-    if few.ndim == 3:
-        few = np.asarray(cv2.cvtColor(few, cv2.COLOR_BGR2GRAY) if few.shape[2] == 3 else few[:, :, 0], np.uint8)
-    level, _ = cv2.threshold(few, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    level, _ = cv2.threshold(as_gray(few), 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
     return float(level) + 0.5
 
 

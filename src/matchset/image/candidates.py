@@ -128,8 +128,7 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     list of Candidate
         Most ball-like first.
     """
-    scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
-    small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
+    small, scale = shrunk(image)
     lab = smooth_lab(small)
     scored = sorted(((score_circle(lab, circle).whole, circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []
@@ -139,6 +138,12 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
         if not any(_same(circle, other) for _, other in kept):
             kept.append((score, circle))
     return [_candidate(lab, circle, score, scale) for score, circle in kept]
+
+
+def shrunk(image: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], float]:
+    """Reduce a picture to the size in which circles are proposed; returns by what its sides were multiplied, too."""
+    scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
+    return cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image, scale
 
 
 def smooth_lab(image: npt.NDArray[Any]) -> LabImage:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
+from matchset.numeric.rotation import cross_matrix
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
@@ -78,7 +79,7 @@ def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Moun
     turn = first.rotation_matrix @ FACING_AWAY
     arm = first.rotation_matrix @ np.array(mount.lens) + turn @ second.position
     slope = np.eye(6)
-    slope[:3, 3:] = -_cross(arm)
+    slope[:3, 3:] = -cross_matrix(arm)
     carried = np.zeros((6, 6))
     carried[:3, :3] = carried[3:, 3:] = turn
     covariance = slope @ first.covariance @ slope.T + carried @ second.covariance @ carried.T
@@ -134,9 +135,3 @@ def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = N
         else:
             places.append(None)
     return places[::-1]
-
-
-def _cross(v: Floats) -> Floats:
-    """Matrix of the cross product from the left, v x, (3, 3)."""
-    x, y, z = v.tolist()
-    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))

@@ -77,3 +77,9 @@ def rotation_vector_between(one: Floats, other: Floats, vector: Floats) -> float
     scale = sign * angle / half if half > TINY else 0.0
     vector[0], vector[1], vector[2] = scale * w[0], scale * w[1], scale * w[2]
     return angle
+
+
+def cross_matrix(v: Floats) -> Floats:
+    """Return the matrix, (3, 3), whose product with a vector is the cross product of `v` and it; not for kernels."""
+    x, y, z = v.tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))

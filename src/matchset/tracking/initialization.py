@@ -13,7 +13,7 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Fitter
 from matchset.fitting.match_set import SECOND_DIFFERENCE
 from matchset.fitting.workspace import SearchWindow
-from matchset.image.brightness import DEFAULT, BrightnessParameters, level_across, level_in
+from matchset.image.brightness import DEFAULT, BrightnessParameters, as_gray, level_across, level_in
 from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, from_hull, nearest, outline
 
@@ -190,7 +190,7 @@ def _masks(part: Image, color: ColorModel, min_pixels: int, brightness: Brightne
     if not color.gray:
         yield color.mask(part)
         return
-    gray = np.asarray(cv2.cvtColor(part, cv2.COLOR_BGR2GRAY) if part.shape[2] == 3 else part[:, :, 0], np.uint8)
+    gray = as_gray(part)
     level = level_in(gray, brightness)
     for kind in ("dark", "light") if color.gray == "edges" else (color.gray,):
         alike = gray[gray < level] if kind == "dark" else gray[gray >= level]

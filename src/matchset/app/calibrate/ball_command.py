@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.calibrate.board_command import camera_file
+from matchset.app.calibrate.board_command import calibrated_file
 from matchset.app.calibrate.options import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
@@ -85,7 +85,7 @@ def calibrate_ball(options: CalibrateOptions) -> int:
             f"got {len(sources)}"
         )
     check_target_options(options.target, shlex.quote(sources[0]))
-    path = camera_file(options.out, options.force)
+    path = calibrated_file(options)
     with StopRequest() as stop:
         tracks = _track_sources(sources, options, distances, stop)
         if stop and len(tracks) < len(sources):

@@ -43,11 +43,11 @@ def board_of(options: BoardOptions) -> Board:
     )
 
 
-def camera_file(out: Path | None, force: bool, source: str | None = None) -> Path:
+def calibrated_file(options: CalibrateOptions, name: str = "camera.toml", source: str | None = None) -> Path:
     """Return the file to write the camera to: the one asked for, or one in a new folder."""
-    if out is None:
-        return output_folder(None, "calibrate") / "camera.toml"
-    return output_file(out, force, source)
+    if options.out is None:
+        return output_folder(None, "calibrate") / name
+    return output_file(options.out, options.force, source)
 
 
 def calibrate_board(source: str, board: Board, options: CalibrateOptions) -> int:
@@ -71,7 +71,7 @@ def calibrate_board(source: str, board: Board, options: CalibrateOptions) -> int
         StopRequest() as stop,
         Video(source, topic=options.topic, note=print_note, **mounted.arguments) as video,
     ):
-        path = camera_file(options.out, options.force, source)
+        path = calibrated_file(options, source=source)
         picture = output_file(path.with_name(path.stem + "-coverage.png"), options.force, source)
         seen = look_for_board(video, board, stop)
         print_warnings(video.warnings)

@@ -66,7 +66,7 @@ class BoardViews(msgspec.Struct):
     without: deque[npt.NDArray[np.uint8]] = msgspec.field(default_factory=lambda: deque(maxlen=PARAMETERS.kept))
 
 
-def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = False) -> BoardViews:
+def look_for_board(video: Video, board: Board, stop: StopRequest) -> BoardViews:
     """Find the board in frames spread over a file, or in frames of a camera until there are enough views, or Ctrl-C.
 
     Parameters
@@ -76,8 +76,6 @@ def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = 
     board : Board
     stop : StopRequest
         Checked after each frame.
-    quiet : bool
-        Whether to show no instructions.
 
     Returns
     -------
@@ -85,7 +83,7 @@ def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = 
     """
     finder, seen = BoardFinder(board), BoardViews()
     step = 1 if video.live else max(1, math.ceil((video.length or 0) / PARAMETERS.max_frames))
-    display = InstructionLine(quiet) if video.live else progress_bar("looking for the board", video.length)
+    display = InstructionLine() if video.live else progress_bar("looking for the board", video.length)
     with display:
         for frame in video:
             if frame.index % step == 0 or video.live:

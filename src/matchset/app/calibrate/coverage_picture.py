@@ -4,9 +4,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.drawing.text import draw_text, text_width, wrapped
 from matchset.camera.board import BoardView
 from matchset.camera.calibration_report import CalibrationReport, covered_cells
+from matchset.image.brightness import as_gray
 
 Picture = npt.NDArray[np.uint8]
 
@@ -51,8 +52,7 @@ def coverage_map(picture: Picture, views: list[BoardView]) -> Picture:
     height, width = picture.shape[:2]
     scale = min(_MAX_SIDE_PX / max(width, height), max(_MIN_WIDTH_PX / width, 1.0))
     size = round(width * scale), round(height * scale)
-    gray = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY))
-    back = cv2.cvtColor(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), cv2.COLOR_GRAY2BGR)
+    back = cv2.cvtColor(cv2.resize(as_gray(picture), size, interpolation=cv2.INTER_AREA), cv2.COLOR_GRAY2BGR)
     shade = cv2.resize(covered_cells(views, width, height).astype(np.float32), size, interpolation=cv2.INTER_NEAREST)
     paper = np.array(_PAPER) - _PICTURE_SHARE * (255.0 - back.astype(np.float32))
     unseen = _UNSEEN_SHARE * (1.0 - shade[..., None])
@@ -86,12 +86,12 @@ def _report_lines(width: int, report: CalibrationReport | None, refused: str) ->
     else:
         lines = [(finding.grade, finding.name, finding.words) for finding in report.findings]
     at = _MARGIN_PX, _MARGIN_PX + 100, _MARGIN_PX + (100 if report is None else 220)
-    wrapped: list[tuple[str, str, str]] = []
+    rows: list[tuple[str, str, str]] = []
     for grade, name, words in lines:
-        parts = _wrap(words, width - at[2] - _MARGIN_PX)
-        wrapped += [(grade, name, parts[0]), *(("", "", part) for part in parts[1:])]
-    strip = np.full((_LINE_PX * len(wrapped) + 24, width, 3), _PAPER, np.uint8)
-    for row, (grade, name, words) in enumerate(wrapped):
+        parts = wrapped(words, width - at[2] - _MARGIN_PX, _LETTERS_PX)
+        rows += [(grade, name, parts[0]), *(("", "", part) for part in parts[1:])]
+    strip = np.full((_LINE_PX * len(rows) + 24, width, 3), _PAPER, np.uint8)
+    for row, (grade, name, words) in enumerate(rows):
         y = 8 + _LINE_PX * (row + 0.5)
         if grade:
             color, middle = _GRADES[grade], round(y)
@@ -100,14 +100,3 @@ def _report_lines(width: int, report: CalibrationReport | None, refused: str) ->
         draw_text(strip, name, (at[1], y), _LETTERS_PX, _INK)
         draw_text(strip, words, (at[2], y), _LETTERS_PX, _QUIET)
     return strip
-
-
-def _wrap(words: str, width: int) -> list[str]:
-    lines = [""]
-    for word in words.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if lines[-1] and text_width(longer, _LETTERS_PX) > width:
-            lines.append(word)
-        else:
-            lines[-1] = longer
-    return lines

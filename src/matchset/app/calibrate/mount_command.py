@@ -11,13 +11,13 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.calibrate.board_command import calibrated_file
 from matchset.app.calibrate.options import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import still_intervals
 from matchset.app.cli_options import TurnOptions
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.progress import InstructionLine
-from matchset.app.run_folder import output_file, output_folder
 from matchset.app.target.target_options import load_color
 from matchset.camera.camera_model import CameraModel
 from matchset.control.mount.mount_fit import (
@@ -130,11 +130,7 @@ def calibrate_mount(options: CalibrateOptions) -> int:
     places = [parse_place(text) for text in options.mount.place or ()]
     sources = options.sources or []
     equipment = _equipment(options)
-    path = (
-        output_folder(None, "calibrate") / "mount.toml"
-        if options.out is None
-        else output_file(options.out, options.force)
-    )
+    path = calibrated_file(options, "mount.toml")
     try:
         with StopRequest() as stop:
             held = _held_balls(sources, len(places), equipment, stop)

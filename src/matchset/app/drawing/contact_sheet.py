@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.drawing.annotate import OUTLINE, POINT, as_color, draw_circle
-from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.drawing.text import draw_text, text_width, wrapped
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost, Track
 
@@ -137,14 +137,8 @@ def rim_tile(shown: SheetFrame, width: int) -> Picture:
 def _lost_tile(reason: str, width: int) -> Picture:
     """Say why nothing was found, in the place of an enlarged ball."""
     tile = np.full((width, width, 3), 245, np.uint8)
-    lines, letters = ["Lost:"], LETTERS_PX
-    for word in reason.split():
-        longer = f"{lines[-1]} {word}"
-        if text_width(longer, letters) > width - 2 * letters:
-            lines.append(word)
-        else:
-            lines[-1] = longer
-    for number, line in enumerate(lines):
+    letters = LETTERS_PX
+    for number, line in enumerate(wrapped(f"Lost: {reason}", width - 2 * letters, letters)):
         draw_text(tile, line, (letters, (2.0 + 1.5 * number) * letters), letters, _INK)
     return np.vstack([tile, label("", width)])
 

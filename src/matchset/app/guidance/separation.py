@@ -9,8 +9,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.candidates import Candidate
-from matchset.image.circle_score import SCORE
+from matchset.image.candidates import Candidate, shrunk
 from matchset.image.click_region import disc_mask
 from matchset.image.color_learning import cells_of, log_odds_between
 
@@ -91,8 +90,7 @@ def separate(image: Picture, candidate: Candidate) -> Separation:
     Separation
         With the candidate's own pick where nothing lies around the circle.
     """
-    scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
-    small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
+    small, scale = shrunk(image)
     small = np.asarray(cv2.GaussianBlur(small, (0, 0), PARAMETERS.smoothing_px), np.uint8)
     x, y, radius = (candidate.x + 0.5) * scale - 0.5, (candidate.y + 0.5) * scale - 0.5, candidate.radius * scale
     disc = disc_mask(small.shape, (x, y, radius), PARAMETERS.rim)

@@ -16,6 +16,7 @@ from matchset.links.mavlink.axes import FRD_OF_RDF, CameraAxes, level_turn, quat
 from matchset.links.mavlink.message import Values
 from matchset.links.mavlink.telemetry import AutopilotAttitude
 from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
+from matchset.numeric.rotation import cross_matrix
 
 Floats = npt.NDArray[np.float64]
 
@@ -81,7 +82,7 @@ def odometry_of_camera(pose: Pose, mount: CameraAxes, time: float) -> Values | N
     arm = pose.position + mount.turn.T @ mount.offset  # from the vehicle's center to the ball, in the camera frame
     attitude = to_ball @ mount.turn.T
     parts = np.zeros((6, 6))  # with a small turn d of the ball: -to_ball (e + arm x d); the attitude turns by -turn d
-    parts[:3, :3], parts[:3, 3:], parts[3:, 3:] = -to_ball, -to_ball @ _cross(arm), -mount.turn
+    parts[:3, :3], parts[:3, 3:], parts[3:, 3:] = -to_ball, -to_ball @ cross_matrix(arm), -mount.turn
     return _odometry(-to_ball @ arm, attitude, parts @ pose.covariance @ parts.T, time)
 
 
@@ -202,9 +203,3 @@ def _body_of_ball(marker_heading: float) -> Floats:
     """Turn vectors of the ball into those of the vehicle that carries it."""
     c, s = math.cos(marker_heading), math.sin(marker_heading)
     return np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))) @ FRD_OF_RDF
-
-
-def _cross(v: Floats) -> Floats:
-    """Return the matrix whose product with a vector is the cross product of `v` and it."""
-    x, y, z = v.tolist()
-    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))

@@ -14,7 +14,7 @@ from matchset.sim.analog_link import PRESETS, AnalogLink, degrade
 from matchset.sim.clips.balloon import Balloon, Vector
 from matchset.sim.rendering.lens_warp import ExactLensWarp
 from matchset.sim.rendering.renderer import Picture, draw_balloon
-from matchset.sim.rendering.shutter import fields
+from matchset.sim.rendering.shutter import fields, woven
 from matchset.sim.scene.scene import Scene, viewpoint
 
 Array = npt.NDArray[np.float64]
@@ -102,9 +102,7 @@ class BallFlightClip(msgspec.Struct, frozen=True, kw_only=True):
                 balloon = msgspec.structs.replace(balloon, marker=first, more_markers=tuple(others))
             draw_balloon(picture, view.pinhole, balloon, self.place(time)[np.newaxis])
             pictures.append(view.warp(picture))
-        for field in range(1, len(pictures)):
-            pictures[0][field :: len(pictures)] = pictures[field][field :: len(pictures)]
-        return pictures[0]
+        return woven(pictures)
 
 
 @functools.lru_cache(maxsize=2)

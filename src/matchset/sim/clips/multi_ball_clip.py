@@ -11,7 +11,7 @@ from matchset.image.frame import Frame
 from matchset.sim.analog_link import PRESETS, degrade
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.rendering.renderer import Picture, draw_balloon
-from matchset.sim.rendering.shutter import fields
+from matchset.sim.rendering.shutter import fields, woven
 from matchset.sim.scene.scene import Scene, viewpoint
 
 PositionFunction = Callable[[float], Sequence[float] | None]
@@ -52,9 +52,7 @@ class MultiBallClip(msgspec.Struct, frozen=True, kw_only=True):
         background = Scene.room(self.seed).render(self.camera, *viewpoint(self.seed))
         for index in range(self.frames):
             pictures = [self._draw(background, time / self.fps) for _, time in fields(index, link.interlaced)]
-            for field in range(1, len(pictures)):
-                pictures[0][field :: len(pictures)] = pictures[field][field :: len(pictures)]
-            yield Frame(degrade(pictures[0], link, 1_000_003 * self.seed + index), index / self.fps, index)
+            yield Frame(degrade(woven(pictures), link, 1_000_003 * self.seed + index), index / self.fps, index)
 
     def _draw(self, background: Picture, time: float) -> Picture:
         """Draw all balloons that are there at a time, s, the farthest first."""

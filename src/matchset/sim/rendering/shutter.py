@@ -1,8 +1,13 @@
 """What the camera of a clip does in time: fields, sub-exposures for motion blur, gain."""
 
 import math
+from collections.abc import Sequence
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
+
+Picture = npt.NDArray[np.float32]
 
 
 class ShutterParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,6 +76,14 @@ def fields(index: int, interlaced: bool) -> list[tuple[ShutterRows, float]]:
     if not interlaced:
         return [(ShutterRows(), float(index))]
     return [(ShutterRows(0, 2), index - 0.25), (ShutterRows(1, 2), index + 0.25)]
+
+
+def woven(pictures: Sequence[Picture]) -> Picture:
+    """Weave the pictures of the times of `fields` into one; the first is written."""
+    whole, count = pictures[0], len(pictures)
+    for field in range(1, count):
+        whole[field::count] = pictures[field][field::count]
+    return whole
 
 
 def read_out(y: float, height: int, readout: float) -> float:

@@ -4,13 +4,13 @@ import itertools
 import math
 from collections.abc import Sequence
 
-import cv2
 import msgspec
 import numpy as np
 
 from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
 from matchset.flight.preflight.outcome import CheckOutcome, failed, judged
 from matchset.flight.preflight.parameters import PreflightParameters
+from matchset.image.brightness import as_gray
 from matchset.image.frame import Frame
 from matchset.links.camera import Camera
 
@@ -55,10 +55,9 @@ def seen_picture(frame: Frame, age: float, repeated: bool, parameters: Preflight
     """
     image = frame.image
     brightest = image if image.ndim == 2 else image.max(axis=2)
-    gray = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     bright = float(np.mean(brightest >= parameters.bright_level))
     dark = float(np.mean(brightest < parameters.dark_level))
-    return SeenPicture(frame.time, age, repeated, bright, dark, float(gray.mean()))
+    return SeenPicture(frame.time, age, repeated, bright, dark, float(as_gray(image).mean()))
 
 
 def watch_pictures(

@@ -15,18 +15,17 @@ import numpy.typing as npt
 from rich.console import Console
 
 from matchset.app.course.log import ShapeLog
-from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.next_command import shell_command
-from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
+from matchset.app.pictures.run_pictures import WantedPictures
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.track.loop import RunStatistics, TrackedFrame, computing_lines, follow
 from matchset.app.track.options import DemoOptions
-from matchset.app.track.outputs import Outputs
+from matchset.app.track.outputs import Outputs, track_outputs
 from matchset.app.track.rows import TrackRow, track_table
 from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
 from matchset.image.color import ColorModel
@@ -163,11 +162,7 @@ def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any], log: Shape
         small=True,
         force=True,
     )
-    painter = TrackPainter((clip.width, clip.height), family.parameters)
-    pictures = RunPictures[TrackedFrame](
-        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row), log
-    )
-    return Outputs(table, pictures)
+    return track_outputs(table, wanted, (clip.width, clip.height), log)
 
 
 def _truth(clip: Clip, index: int) -> TruthRow:

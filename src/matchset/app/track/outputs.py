@@ -7,13 +7,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-import msgspec
-
+from matchset.app.course.log import ShapeLog
+from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.exit_codes import discard_stdout
-from matchset.app.pictures.run_pictures import RunPictures
+from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.progress import display_for
 from matchset.app.tables import Column, RowWriter, json_line
-from matchset.app.track.loop import CountedFrame, RunStatistics
+from matchset.app.track.loop import CountedFrame, RunStatistics, TrackedFrame
+from matchset.app.track.rows import FrameRow, TrackRow
 from matchset.media.closing import Closing, close_all
 from matchset.media.video import Video
 
@@ -21,22 +22,17 @@ Answered = TypeVar("Answered", bound=CountedFrame)
 """One frame of a run with its answer, such as a `TrackedFrame`."""
 
 
-class LatencyRow(msgspec.Struct, frozen=True):
+class LatencyRow(FrameRow, frozen=True):
     """What one answer took.
 
     Parameters
     ----------
-    frame : int
-    time : float
-        When the frame was taken, s.
     compute_ms : float
         Computing time of the answer, ms.
     age_ms : float or None
         Of a live frame: time since it was taken when the answer was there, ms.
     """
 
-    frame: int
-    time: float
     compute_ms: float
     age_ms: float | None = None
 
@@ -98,6 +94,21 @@ class Outputs(Closing, Generic[Answered]):
         """Close the files; the pictures last, since they take longest and can fail."""
         latency = [] if self._latency is None else [self._latency.close]
         close_all(self._table.close, *latency, self.pictures.close)
+
+
+def track_outputs(
+    table: RowWriter[TrackRow],
+    wanted: WantedPictures,
+    size: tuple[int, int],
+    log: ShapeLog,
+    latency: RowWriter[LatencyRow] | None = None,
+) -> Outputs[TrackedFrame]:
+    """Begin the files of a run that tracks; its table was begun first, for a film that was begun must be closed."""
+    painter = TrackPainter(size, log.family.parameters)
+    pictures = RunPictures[TrackedFrame](
+        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row), log
+    )
+    return Outputs(table, pictures, latency)
 
 
 def latency_table(folder: Path) -> RowWriter[LatencyRow]:

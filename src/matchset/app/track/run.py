@@ -11,19 +11,18 @@ import msgspec
 from matchset.app.backward.before_click import before_click
 from matchset.app.cli_options import source_words
 from matchset.app.course.log import ShapeLog
-from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.exit_codes import StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
 from matchset.app.guidance.next_command import FailedRun, kept_options
 from matchset.app.parameters_file import tracker_parameters
 from matchset.app.pictures.part import VideoPart
-from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
+from matchset.app.pictures.run_pictures import WantedPictures
 from matchset.app.run_folder import output_folder
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.target.target_options import RefusedClickError, check_target_options, target_for
 from matchset.app.track.loop import RunStatistics, TrackedFrame, exit_code, follow, print_summary, trackers_for
 from matchset.app.track.options import TrackOptions
-from matchset.app.track.outputs import Outputs, latency_table, write_frames
+from matchset.app.track.outputs import Outputs, latency_table, track_outputs, write_frames
 from matchset.app.track.rows import track_table
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
@@ -84,15 +83,7 @@ def _outputs(
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
     folder, family = wanted.folder, log.family
     table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
-    latency = latency_table(folder)
-    painter = TrackPainter(size, family.parameters)
-    pictures = RunPictures[TrackedFrame](
-        wanted,
-        painter.size,
-        lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row),
-        log,
-    )
-    return Outputs(table, pictures, latency)
+    return track_outputs(table, wanted, size, log, latency_table(folder))
 
 
 def _command(options: TrackOptions, family: type[Any], live: bool) -> FailedRun:

@@ -136,14 +136,15 @@ def read_followers(path: Path) -> tuple[LinkedFollower, ...]:
 
 
 def with_world(flight: FlightParameters, **world: Any) -> FlightParameters:
-    """Return a flight with other parameters of its world, checked again.
+    """Return a flight with other parameters of its world, checked again; those that are None stay as they are.
 
     Raises
     ------
     ValueError
         If a value is out of range; the text begins with its name.
     """
-    new = msgspec.structs.replace(flight.world, **world)  # replace() does not run the checks
+    said = {name: value for name, value in world.items() if value is not None}
+    new = msgspec.structs.replace(flight.world, **said)  # replace() does not run the checks
     new.__post_init__()
     return msgspec.structs.replace(flight, world=new)
 

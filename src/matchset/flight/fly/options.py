@@ -69,5 +69,4 @@ class FlyOptions(msgspec.Struct, frozen=True, kw_only=True):
         from matchset.flight.chain.config import flight_parameters, with_uri, with_world
 
         flight = with_uri(self.uri or CHAIN, flight_parameters(self.config, self.duration))
-        named = {name: getattr(self, name) for name in ("vehicles", "seed", "pal", "latency_ms")}
-        return with_world(flight, **{name: value for name, value in named.items() if value is not None})
+        return with_world(flight, vehicles=self.vehicles, seed=self.seed, pal=self.pal, latency_ms=self.latency_ms)

@@ -96,6 +96,4 @@ class IdentifyOptions(msgspec.Struct, frozen=True, kw_only=True):
             flight = with_uri(self.whom, with_world(flight, vehicles=2))
             if flight.world.vehicles != 2:
                 raise ValueError(f"one vehicle is identified at a time: vehicles is 2, got {flight.world.vehicles}")
-        if self.seed is not None:
-            flight = with_world(flight, seed=self.seed)
-        return careful(with_world(flight, quick=self.quick), parameters)
+        return careful(with_world(flight, seed=self.seed, quick=self.quick), parameters)

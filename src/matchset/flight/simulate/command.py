@@ -97,9 +97,8 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
         if self.world != "chain":
             raise ValueError(f"--world must be chain, got {self.world!r}")
         flight = flight_parameters(self.config, self.duration)
-        named = {name: getattr(self, name) for name in ("vehicles", "pal", "latency_ms")}
-        named["quick"] = self.quick or flight.world.quick
-        return with_world(flight, **{name: value for name, value in named.items() if value is not None})
+        quick = self.quick or flight.world.quick
+        return with_world(flight, vehicles=self.vehicles, pal=self.pal, latency_ms=self.latency_ms, quick=quick)
 
     def axes(self) -> "list[Axis]":
         """Read what is varied: by default the latency, told."""

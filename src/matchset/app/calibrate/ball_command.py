@@ -15,12 +15,7 @@ from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
 from matchset.app.progress import InstructionLine, progress_bar
-from matchset.app.target.target_options import (
-    LearnedTarget,
-    check_target_options,
-    target_for,
-    target_without_picture,
-)
+from matchset.app.target.target_options import LearnedTarget, check_target_options, target_for, target_without_picture
 from matchset.camera.ball_focal_length import BallFocal, HeldBall, focal_from_ball
 from matchset.image.frame import Frame
 from matchset.media.video import Video

@@ -3,10 +3,7 @@
 This module is loaded for every `matchset --help`; the functions import what they need.
 """
 
-from matchset.app.cli_options import (
-    LARGE_BALL,
-    unit_note,
-)
+from matchset.app.cli_options import LARGE_BALL, unit_note
 from matchset.app.exit_codes import EXIT_CODES
 from matchset.app.locate.options import LocateOptions
 

@@ -3,9 +3,7 @@
 This module is loaded for every `matchset --help`; the functions import what they need.
 """
 
-from matchset.app.cli_options import (
-    shape_file,
-)
+from matchset.app.cli_options import shape_file
 from matchset.app.exit_codes import EXIT_CODES, FOUND
 from matchset.app.track.options import DemoOptions, LearnOptions, ParamsOptions, ScoreOptions, TrackOptions
 

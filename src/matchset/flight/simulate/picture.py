@@ -6,17 +6,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from matchset.app.drawing.plot_style import (
-    INK,
-    OURS,
-    QUIET,
-    SERIES,
-    TEXT,
-    figure_of,
-    linear_ticks,
-    style_axes,
-    title,
-)
+from matchset.app.drawing.plot_style import INK, OURS, QUIET, SERIES, TEXT, figure_of, linear_ticks, style_axes, title
 from matchset.flight.simulate.table import Flown
 from matchset.flight.simulate.variation import Axis, quantity
 

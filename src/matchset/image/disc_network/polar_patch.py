@@ -23,12 +23,7 @@ from matchset.image.disc_network.patch_format import (
     Image,
     Patch,
 )
-from matchset.image.disc_network.patch_kernel import (
-    INSIDE_PLACES,
-    PATCH_MEMORY,
-    read_patch_kernel,
-    read_places_kernel,
-)
+from matchset.image.disc_network.patch_kernel import INSIDE_PLACES, PATCH_MEMORY, read_patch_kernel, read_places_kernel
 from matchset.image.frame import channels_last
 from matchset.numeric.record import ThreadBlock, fields
 

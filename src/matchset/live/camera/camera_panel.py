@@ -14,14 +14,7 @@ from matchset.live.camera.ball_distance import BallDistance
 from matchset.live.camera.board_calibration import BoardCalibration, BoardState
 from matchset.live.camera.camera_files import CameraFile, find_camera_files, read_camera_file
 from matchset.live.camera.camera_source import CameraSource
-from matchset.live.camera.messages import (
-    MESSAGES,
-    BallAt,
-    CalibrateBoard,
-    CameraWish,
-    EndBoard,
-    UseCamera,
-)
+from matchset.live.camera.messages import MESSAGES, BallAt, CalibrateBoard, CameraWish, EndBoard, UseCamera
 from matchset.live.camera.printed_boards import PrintedBoard, PrintedBoards
 from matchset.live.feed import Panel
 from matchset.media.closing import Closing

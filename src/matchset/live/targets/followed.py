@@ -13,18 +13,7 @@ from matchset.image.frame import Frame
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.crossing import Crossing
 from matchset.live.targets.maker import Maker
-from matchset.live.targets.messages import (
-    Begin,
-    Diameter,
-    Drop,
-    FieldOfView,
-    Hold,
-    Marker,
-    Outline,
-    Pick,
-    Reread,
-    Wish,
-)
+from matchset.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread, Wish
 from matchset.live.targets.placing import ball_of, camera_of
 from matchset.live.targets.target import Target, catch_up, exchange, is_beside, same_place
 from matchset.live.vision.kept_frames import KeptFrames

@@ -18,13 +18,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
-from matchset.tracking.ball.judge import (
-    DISC,
-    Judge,
-    NetworkParameters,
-    covariance_of,
-    squared_distances,
-)
+from matchset.tracking.ball.judge import DISC, Judge, NetworkParameters, covariance_of, squared_distances
 from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]

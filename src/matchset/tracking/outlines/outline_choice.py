@@ -22,13 +22,7 @@ from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.numeric.jit import interpreted
 from matchset.shapes.shape import outline
-from matchset.tracking.ball.judge import (
-    DISC,
-    Judge,
-    covariance_of,
-    likeliest,
-    squared_distances,
-)
+from matchset.tracking.ball.judge import DISC, Judge, covariance_of, likeliest, squared_distances
 from matchset.tracking.motion import gate_of, usual_size
 from matchset.tracking.parameters import TrackerParameters
 

@@ -1,6 +1,7 @@
 """The run of a flight, simulated or real, with its files: `run_flight`."""
 
 import sys
+from collections.abc import Callable
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
@@ -10,12 +11,18 @@ from matchset.flight.fly.output_files import FlightFiles
 from matchset.image.errors import LinkError
 
 if TYPE_CHECKING:
+    from matchset.flight.chain.chain_step import ChainStep
     from matchset.flight.chain.flight import ChainFlight
     from matchset.flight.chain.pacer import Pacer
     from matchset.flight.fly.outputs import FlightOutputs
 
 
-def run_flight(flight: "ChainFlight", options: FlyOptions, pacer: "Pacer | None" = None) -> int:
+def run_flight(
+    flight: "ChainFlight",
+    options: FlyOptions,
+    pacer: "Pacer | None" = None,
+    watch: "Callable[[ChainStep], None]" = lambda _: None,
+) -> int:
     """Fly, and return the exit code: 0 if everyone flew to the end, 1 if not, or that of the signal that stopped it.
 
     However it ends, everyone lands and the files are whole.
@@ -27,6 +34,8 @@ def run_flight(flight: "ChainFlight", options: FlyOptions, pacer: "Pacer | None"
     options : FlyOptions
     pacer : Pacer, optional
         For one that waits for no clock by itself.
+    watch : callable, optional
+        Told every step.
 
     Raises
     ------
@@ -51,6 +60,7 @@ def run_flight(flight: "ChainFlight", options: FlyOptions, pacer: "Pacer | None"
         for line in () if options.quiet else flight.briefing(kill.reads_keys):
             print(line, file=sys.stderr)
         for chain_step in flight:
+            watch(chain_step)
             scorer.add(chain_step)
             outputs.add(chain_step, [pilot.armed for pilot in flight.pilots])
             if kill.reason and not chain_step.down:

@@ -2,7 +2,7 @@
 
 import datetime
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,6 @@ from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import check_outputs, output_file
 from matchset.flight.chain.chain_step import ChainStep
 from matchset.flight.chain.flight import ChainFlight, Flight
-from matchset.flight.chain.score import FlightScorer
 from matchset.flight.fly.run import run_flight
 from matchset.flight.identify.estimate import estimate
 from matchset.flight.identify.flight_log import LoggedStep, StickLog
@@ -26,50 +25,6 @@ from matchset.flight.recording.reader import RecordingReader
 from matchset.flight.recording.replay import Replay
 from matchset.flight.simulate.flights import fly_scored
 from matchset.image.files.whole_file import write_whole
-
-
-class LoggedFlight(ChainFlight):
-    """A flight that keeps what counts of the steps of its first follower; all else is the flight's.
-
-    Parameters
-    ----------
-    flight : ChainFlight
-
-    Attributes
-    ----------
-    logged : list of LoggedStep
-    """
-
-    def __init__(self, flight: ChainFlight) -> None:
-        self._flight, self.logged = flight, list[LoggedStep]()
-        self.parameters, self.pilots, self.setup = flight.parameters, flight.pilots, flight.setup
-
-    def __iter__(self) -> Iterator[ChainStep]:
-        """Fly, and keep."""
-        for chain_step in self._flight:
-            self.logged.append(LoggedStep.of(chain_step.steps[0]))
-            yield chain_step
-        self.fault = self._flight.fault
-
-    def land(self, reason: str) -> bool:
-        """Bring it down, as the flight does."""
-        return self._flight.land(reason)
-
-    def briefing(self, keys: bool) -> Iterable[str]:
-        """Say what the flight says."""
-        return self._flight.briefing(keys)
-
-    def debriefing(self) -> Iterable[str]:
-        """Say what the flight says."""
-        return self._flight.debriefing()
-
-    def succeeded(self, scorer: FlightScorer) -> bool:
-        """Whether it flew to the end."""
-        return self._flight.succeeded(scorer)
-
-    def close(self) -> None:
-        """Land, and close the devices."""
-        self._flight.close()
 
 
 def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) -> int:
@@ -97,9 +52,14 @@ def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) 
             raise ValueError("--from flies nothing: it goes with no link, no camera and no --quick")
         return _identified(_recorded(options.recorded), f"--from {options.recorded}", options, parameters)
     with announce_if_slow("getting ready ..."):
-        flight = LoggedFlight(_opened(options, parameters))
+        flight = _opened(options, parameters)
     options.files.make_folders(options.force)
-    code = _flown_quickly(flight) if options.quick else run_flight(flight, fly_options)
+    logged: list[LoggedStep] = []
+
+    def note(chain_step: ChainStep) -> None:
+        logged.append(LoggedStep.of(chain_step.steps[0]))
+
+    code = _flown_quickly(flight, note) if options.quick else run_flight(flight, fly_options, watch=note)
     if flight.setup.kind == "dry run":
         print("dry run: without throttle nothing can be identified; --arm flies")
         return code
@@ -108,7 +68,7 @@ def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) 
     if code == NOT_FOUND:
         print("note: it came down before its time", file=sys.stderr)
     source = options.whom or fly_options.linked.link or "simulated"
-    return max(_identified(flight.logged, source, options, parameters), code)
+    return max(_identified(logged, source, options, parameters), code)
 
 
 def _identified(
@@ -153,10 +113,10 @@ def _opened(options: IdentifyOptions, parameters: IdentifyParameters) -> ChainFl
     return open_flight(fly_options.linked.flight(flight), followers, dry=not fly_options.linked.arm)
 
 
-def _flown_quickly(flight: LoggedFlight) -> int:
+def _flown_quickly(flight: ChainFlight, watch: Callable[[ChainStep], None]) -> int:
     """Fly a simulated vehicle without pictures, tables and files; returns the exit code."""
     with StopRequest() as stop:
-        scorer = fly_scored(flight, lambda: bool(stop))
+        scorer = fly_scored(flight, lambda: bool(stop), watch)
     return stop.code if stop else FOUND if flight.succeeded(scorer) else NOT_FOUND
 
 

@@ -169,7 +169,7 @@ def _fly(
     """Fly all cases and write a line of ``flights.csv`` as each ends."""
     from matchset.app.disk import WholeFile
     from matchset.flight.chain.config import with_world
-    from matchset.flight.simulate.flights import compile_ahead, fly_all, work_text
+    from matchset.flight.simulate.flights import compile_ahead, fly_each, fly_once, work_text
     from matchset.flight.simulate.table import Flown, csv_header, csv_line
     from matchset.flight.simulate.variation import changed
 
@@ -183,7 +183,7 @@ def _fly(
     flown: list[Flown] = []
     with WholeFile(folder / "flights.csv") as file, _progress_bar(len(cases), options.quiet) as advance:
         file.append(f"{csv_header(axes)}\n".encode())
-        for number, score in fly_all(flights, jobs, lambda: bool(stop)):
+        for number, score in fly_each(fly_once, flights, jobs, lambda: bool(stop)):
             flown.append(Flown(cases[number], score))
             file.append(f"{csv_line(axes, flown[-1])}\n".encode())
             advance()

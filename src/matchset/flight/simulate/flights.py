@@ -1,4 +1,4 @@
-"""Many flights, each in a process of its own, and how long they will take: `fly_all`.
+"""Many flights, each in a process of its own, and how long they will take: `fly_each`.
 
 Imports that take long stand inside the functions, so that `matchset --help` answers at once.
 """
@@ -92,13 +92,6 @@ def fly_scored(
             if scorer.crashed or (stopped is not None and stopped()):
                 break
     return scorer
-
-
-def fly_all(
-    flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool] | None = None
-) -> "Iterator[tuple[int, FlightScore]]":
-    """Fly many flights, each as by `fly_once`, see `fly_each`."""
-    return fly_each(fly_once, flights, jobs, stop or (lambda: False))
 
 
 def fly_each(

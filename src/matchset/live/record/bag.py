@@ -42,10 +42,8 @@ class BagWriter(Closing):
 
     Raises
     ------
-    ValueError
-        If the package mcap is missing.
-    OSError
-        If the file cannot be written.
+    ValueError, OSError
+        As those of `McapWriter`.
     """
 
     def __init__(self, path: Path, space: str, quality: int) -> None:

@@ -117,7 +117,7 @@ class Link(Protocol):
 landing_signals.LANDING.add(Link.__exit__.__code__)
 
 
-class Device(Protocol):
+class LinkDevice(Protocol):
     """The dialog of a link with what it holds."""
 
     @property
@@ -137,7 +137,7 @@ class DeviceLink(NotCopied, Link):
     _throttle: float
     _clock: Callable[[], float]
 
-    def _close(self, device: Device) -> None:
+    def _close(self, device: LinkDevice) -> None:
         """Land and close the device, once; a broken device is only closed."""
         if not self._open:
             return

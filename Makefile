@@ -64,7 +64,7 @@ bench-real: $(PEERS)  ## real footage and times, as a user has them, against wha
 bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
 
-weights: $(PYTORCH)  ## make weights of the network of discs from nothing, with PyTorch (an hour; ARGS="FOLDER of photographs")
+weights: $(PYTORCH)  ## make weights of the network of discs from nothing, with PyTorch (half an hour; ARGS="FOLDER of photographs")
 	$(ONE_THREAD) $(BIN)/python -m training $(or $(ARGS),../photographs)
 
 hypotheses: $(READY)  ## fit the weights of hypotheses and of first sight again (ten minutes)

@@ -1,6 +1,5 @@
 """Make weights of the network of discs from nothing: `make weights`, or `python -m training FOLDER`; see `training`."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +11,7 @@ import typer
 from matchset.image.disc_network.network import FILE
 from training.examples import ExampleParameters, make_examples
 from training.pruning import prune
-from training.rendering.photographs import Photographs, fetch, find_photographs
+from training.rendering.photographs import Photographs, read_photographs
 from training.shipped import SHIPPED, checksum
 from training.train import Learner, LearningParameters, export, train
 
@@ -66,14 +65,6 @@ def make_weights(photographs: Photographs, out: Path, recipe: RecipeParameters, 
     asked = make_examples(recipe.pruning_seed, recipe.pruning_scenes, photographs, recipe.examples)
     typer.echo(prune(out, asked.patches, out))
     typer.echo(f"{out}: SHA-256 {checksum(out)}; shipped {SHIPPED}")
-
-
-def read_photographs(folders: Sequence[Path]) -> Photographs:
-    """Read the pictures in folders; Debian's wallpapers are fetched into the first one if there are none."""
-    if not any(folder.is_dir() and find_photographs([folder]) for folder in folders):
-        for missing in fetch(folders[0]):
-            typer.echo(f"not to be had: {missing}")
-    return Photographs.read(folders)
 
 
 def main(

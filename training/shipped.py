@@ -12,6 +12,11 @@ written down; docs/log/network.md has what each was better at. In its order, wit
 - 4b1b1240: the colors of the ball known from an earlier picture, 24,000 new scenes, 30 minutes, then 32 at half rate.
 - 348e55f2: without the 202 outputs that never answer (docs/decisions/132-weights-without-silent-outputs.md).
 
+`make weights` takes half an hour of one core: 4 minutes for 14,000 scenes (seed 31), 26 for 10,000 steps (seed 0), 1 to
+prune by 4,000 scenes (seed 41). With 2,500 steps it took 12.4 minutes, before 239 photographs (2026-11-28, PyTorch
+2.14.1); on 500 other scenes (seed 43) their loss is -6.37, that of the shipped weights, which saw twenty times as many
+scenes, -7.36.
+
 New weights ship when they are better on the labelled clips (`python -m benchmarks --only real`), with their checksum
 here and their line above; those that `make weights` makes from nothing are where to begin (`--begin` goes on).
 """

@@ -9,7 +9,8 @@ import pytest
 pytest.importorskip("torch")
 
 import typer
-from training.__main__ import RecipeParameters, main, make_weights, read_photographs
+from training.__main__ import RecipeParameters, main, make_weights
+from training.rendering.photographs import read_photographs
 from training.shipped import SHIPPED, checksum
 from training.train import LearningParameters, NetworkParameters
 

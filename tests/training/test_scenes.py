@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 from training.examples import ExampleParameters, Examples, make_examples, read_examples, write_examples
+from training.rendering import photographs as photographs_module
 from training.rendering.ball import (
     BallColorParameters,
     BallParameters,
@@ -20,7 +21,14 @@ from training.rendering.hands import HandParameters, any_hand, with_fingers, wit
 from training.rendering.layers import band, disc, offsets, which, within
 from training.rendering.light import LightParameters
 from training.rendering.other_shapes import OtherShapeParameters, other_shape
-from training.rendering.photographs import REPOSITORY, PhotographParameters, Photographs, fetch, find_photographs
+from training.rendering.photographs import (
+    REPOSITORY,
+    PhotographParameters,
+    Photographs,
+    fetch,
+    find_photographs,
+    read_photographs,
+)
 from training.rendering.scene import BackgroundParameters, Scene, SceneParameters, render
 
 from matchset.image.disc_network.patch_format import DIRECTIONS, RADII
@@ -372,6 +380,18 @@ def test_no_pictures_are_an_error(tmp_path: Path) -> None:
         Photographs.read([tmp_path])
     with pytest.raises(ValueError, match="no pictures"):
         Photographs([])
+
+
+def test_photographs_are_fetched_where_there_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def put(folder: Path) -> list[str]:
+        folder.mkdir(exist_ok=True)
+        cv2.imwrite(str(folder / "one.png"), np.full((60, 80, 3), GRAY, np.uint8))
+        return ["one that is gone"]
+
+    monkeypatch.setattr(photographs_module, "fetch", put)
+    assert len(read_photographs([tmp_path / "new"])) == 1
+    monkeypatch.setattr(photographs_module, "fetch", lambda _: pytest.fail("there are some"))
+    assert len(read_photographs([tmp_path / "new"])) == 1
 
 
 def test_photographs_are_not_fetched_into_the_repository() -> None:

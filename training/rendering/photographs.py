@@ -172,6 +172,14 @@ def fetch(folder: Path, packages: Sequence[str] = PACKAGES) -> list[str]:
     return missing
 
 
+def read_photographs(folders: Sequence[Path]) -> Photographs:
+    """Read the pictures in folders; wallpapers are fetched into the first one if there are none."""
+    if not find_photographs(folders):
+        for package in fetch(folders[0]):
+            typer.echo(f"not to be had: {package}")
+    return Photographs.read(folders)
+
+
 def main(folder: Annotated[Path, typer.Argument(help="Where the photographs go; not in the repository.")]) -> None:
     """Fetch photographs to render balls before."""
     try:

@@ -6,7 +6,8 @@ several at a time, with `fused` a product is added without being rounded. On one
 bit, from run to run.
 
 The machine code is kept on disk, so only the first run on a machine compiles. This file alone touches what Numba does
-not promise to keep (tests/numeric/test_private_hooks.py says of each what breaks without it):
+not promise to keep. tests/numeric/test_private_hooks.py says of each what breaks without it, and of which versions,
+docs/decisions/141-what-the-private-hooks-of-numba-save.md what it saves:
 
 - ``Dispatcher._cache``, ``caching._Cache``, ``CompileResult._reduce``, ``_rebuild``: where a kernel's code is kept.
   Numba keeps it beside the source, or for one path of it, looks at a kernel's own file alone to see whether it is
@@ -15,7 +16,7 @@ not promise to keep (tests/numeric/test_private_hooks.py says of each what break
   (`source_stamp`: the kernel's own and those that it imports), wherever they are, and filed under the identity of what
   it holds (`identity`); `KeptCode` looks whether it is whole.
 - ``serialize.dumps``: what Numba keeps, as bytes.
-- ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
+- ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.1 s, in case a kernel needs it; here when one does.
 - option ``_nrt=False``: no references are counted.
 - ``codegen.JITCodeLibrary``: Numba optimizes every function and makes machine code of it, and both again with each
   that calls it; what only kernels call is left as it was written, and optimized with those, once (decision 081).

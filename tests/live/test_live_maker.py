@@ -5,15 +5,15 @@ import sys
 
 import pytest
 
-from matchset.live.targets.maker import Maker
+from matchset.live.targets.target_maker import TargetMaker
 
 PROGRAM = """
 import time
-from matchset.live.targets.maker import Maker, MakerParameters
+from matchset.live.targets.target_maker import TargetMaker, TargetMakerParameters
 def make():
     time.sleep({seconds})
     print("made", flush=True)
-Maker(MakerParameters(patience={patience})).order(make)
+TargetMaker(TargetMakerParameters(patience={patience})).order(make)
 """
 
 
@@ -27,7 +27,7 @@ def test_a_program_that_ends_waits_for_what_is_made_but_not_for_long(
 
 
 def test_what_is_made_or_fails_is_told() -> None:
-    maker: Maker[int] = Maker()
+    maker: TargetMaker[int] = TargetMaker()
     assert maker.order(lambda: 7).result(60.0) == 7
     with pytest.raises(ZeroDivisionError):
         maker.order(lambda: 1 // 0).result(60.0)

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.live.targets.drawn_outline import circle_along, shape_along
-from matchset.live.targets.followed import Followed, FollowedParameters, _Trial
+from matchset.live.targets.followed_targets import FollowedTargets, FollowedTargetsParameters, _Trial
 from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.live.targets.target import Target, is_beside
 from matchset.live.vision.kept_frames import KeepingParameters, KeptFrames
@@ -86,7 +86,7 @@ class Loop:
 
     def __init__(self) -> None:
         self.kept, self.notes, self.number = KeptFrames(), list[str](), 0
-        self.followed = Followed(self.kept, self.notes.append, FollowedParameters(trial=0.3))
+        self.followed = FollowedTargets(self.kept, self.notes.append, FollowedTargetsParameters(trial=0.3))
         self.states: list[TargetState] = []
         self.step()
 
@@ -162,7 +162,7 @@ def crossing(way: float, front: int, number: int) -> tuple[Frame, list[tuple[flo
 @pytest.mark.parametrize("front", [0, 1])
 def test_two_balls_of_one_color_that_cross_keep_their_names(front: int) -> None:
     kept, notes = KeptFrames(), list[str]()
-    followed = Followed(kept, notes.append)
+    followed = FollowedTargets(kept, notes.append)
     frame, places = crossing(0.0, front, 0)
     kept.add(1, frame)
     for place in places:

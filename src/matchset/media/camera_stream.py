@@ -17,7 +17,7 @@ from matchset.media.capture import Capture, hushed, open_capture, unpack
 from matchset.media.streams.backlog import Backlog
 from matchset.media.streams.camera_settings import Settings, apply, read_controls, set_automatic
 from matchset.media.streams.silence import Pauses, ReopeningParameters, Silence
-from matchset.media.upright.stated import pixel_ratio
+from matchset.media.upright.header_view import pixel_ratio
 from matchset.media.video_files.pyav_capture import open_pyav_stream, reports_damage
 
 # format: buffers that a V4L2 driver is asked for. With one it has nowhere to write while a picture is unpacked, and

@@ -9,8 +9,8 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.live.files.messages import Correct
 from matchset.live.targets.messages import Outline, Pick
-from matchset.live.targets.placing import TargetPlace, position_of
 from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
+from matchset.live.targets.target_localizer import TargetPlace, position_of
 from matchset.live.wire.state import TargetState
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer, left_out

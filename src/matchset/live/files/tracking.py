@@ -17,8 +17,8 @@ from matchset.live.files.run import TrackingRun
 from matchset.live.files.trials import Trial, Trials
 from matchset.live.targets.clicks import AGAIN, CROWDED, NEWER, Clicks
 from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
-from matchset.live.targets.placing import ball_of, camera_of
 from matchset.live.targets.target import Target
+from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.waiting import WaitingWishes
 from matchset.localization.ball_target import BallTarget
 from matchset.media.closing import Closing

@@ -44,7 +44,7 @@ class FlightFeed(Feed):
     @property
     def busy(self) -> str:
         """Why something else cannot be shown now: while somebody flies; else empty."""
-        here = self.loop.helm.look()
+        here = self.loop.commander.look()
         return f"{here.page} commands a flight: land first" if here.duty in IN_FLIGHT else ""
 
     def close(self) -> None:

@@ -15,7 +15,7 @@ from matchset.live.feed import News
 from matchset.live.piloting.commander import FLYING, IN_FLIGHT, Commander, SilenceParameters
 from matchset.live.piloting.fleet import Fleet, FleetStep
 from matchset.live.piloting.follower_stream import FollowerStream
-from matchset.live.piloting.helm import Helm
+from matchset.live.piloting.shared_commander import SharedCommander
 from matchset.live.piloting.state import FlightState, follower_states, map_state
 from matchset.media.closing import Closing
 from matchset.numeric.compiling import WATCHERS
@@ -63,7 +63,7 @@ class FlightLoop(Closing):
 
     Attributes
     ----------
-    helm : Helm
+    commander : SharedCommander
     streams : tuple of FollowerStream
     """
 
@@ -75,7 +75,7 @@ class FlightLoop(Closing):
         silence: SilenceParameters | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.helm, self._open, self._news = Helm(silence, clock), open_fleet, news or (lambda _: None)
+        self.commander, self._open, self._news = SharedCommander(silence, clock), open_fleet, news or (lambda _: None)
         self._clock = clock
         self.streams = tuple(FollowerStream(number) for number in range(followers))
         self._fleet: Fleet | None = None
@@ -91,7 +91,7 @@ class FlightLoop(Closing):
         """Hear a page that has painted a picture."""
         kept = 0 <= self._sequence - sequence < KEPT
         painted = self._times[sequence % KEPT] if kept else math.nan
-        self.helm.change(lambda commander, now: commander.alive(page, now, painted))
+        self.commander.change(lambda commander, now: commander.alive(page, now, painted))
 
     def arm(self, page: str) -> None:
         """Let a page take off and command.
@@ -101,7 +101,7 @@ class FlightLoop(Closing):
         ValueError
             If it cannot: nothing is ready, or somebody flies already.
         """
-        here = self.helm.look()
+        here = self.commander.look()
         if not page:
             raise ValueError("arm: who arms must stay: a page, or a program over /ws that says it is alive")
         if here.duty in IN_FLIGHT:
@@ -111,7 +111,7 @@ class FlightLoop(Closing):
         if not self._state.ready:
             raise ValueError("arm: not ready yet")
         self._stopping = Stopping()
-        self.helm.change(lambda commander, now: commander.arm(page, now))
+        self.commander.change(lambda commander, now: commander.arm(page, now))
 
     def land(self, page: str) -> None:
         """Begin the descent.
@@ -121,19 +121,19 @@ class FlightLoop(Closing):
         ValueError
             If another page commands, or nobody flies.
         """
-        here = self.helm.look()
+        here = self.commander.look()
         if here.duty in FLYING and page != here.page:
             raise ValueError(f"land: {here.page} commands; any page may stop the motors")
         if here.duty not in IN_FLIGHT:
             raise ValueError("land: nobody flies")
-        self.helm.change(lambda commander, _: commander.land(page))
+        self.commander.change(lambda commander, _: commander.land(page))
 
     def kill(self, who: str) -> None:
         """Stop all motors with the next packet; never waits."""
         reason = f"{who} stopped the motors"
-        if self.helm.look().duty != "stopped":
+        if self.commander.look().duty != "stopped":
             self._stopping = Stopping(self._step.time)
-        self.helm.change(lambda commander, _: commander.kill(reason))
+        self.commander.change(lambda commander, _: commander.kill(reason))
         if self._fleet is not None:
             self._fleet.cut(reason)
 
@@ -145,7 +145,7 @@ class FlightLoop(Closing):
         ValueError
             If somebody flies, or everybody is there.
         """
-        here, state = self.helm.look(), self._state
+        here, state = self.commander.look(), self._state
         if here.duty in IN_FLIGHT:
             raise ValueError(f"again: {here.page} commands a flight: land first")
         if here.duty == "idle" or not (state.ready or state.fault):
@@ -154,7 +154,7 @@ class FlightLoop(Closing):
 
     def state(self) -> FlightState:
         """Return what there is to say, of now."""
-        here, state = self.helm.look(), self._state
+        here, state = self.commander.look(), self._state
         silent = self._clock() - here.heard if here.duty in FLYING else 0.0
         preparing = 0.0 if state.ready or state.fault else self._clock() - self._preparing
         return msgspec.structs.replace(
@@ -188,7 +188,7 @@ class FlightLoop(Closing):
             self._news_of("getting ready ...")
             try:
                 with self._opened() as fleet, steady_memory():
-                    self.helm.change(lambda commander, _: commander.again())
+                    self.commander.change(lambda commander, _: commander.again())
                     self._fly(fleet)
             except (LinkError, ValueError) as error:
                 self._fault(str(error))
@@ -211,7 +211,7 @@ class FlightLoop(Closing):
     def _fault(self, words: str) -> None:
         """Say why nothing can be flown any more; the fleet has landed as far as it can."""
         self._fleet = None
-        self.helm.change(lambda commander, _: commander.kill(words))
+        self.commander.change(lambda commander, _: commander.kill(words))
         self._state = FlightState(fault=words)
         self._news_of(words)
 
@@ -233,11 +233,11 @@ class FlightLoop(Closing):
 
     def _command(self, fleet: Fleet) -> None:
         """Do what the commander says, before the next commands leave."""
-        here = self.helm.look()
+        here = self.commander.look()
         if here.duty == "flying":
             self._begun = self._step.time if math.isnan(self._begun) else self._begun
             fleet.arm(fleet.due(self._step.time - self._begun))
-            here = self.helm.look()
+            here = self.commander.look()
         if here.duty == "descending":
             for pilot in fleet.pilots:
                 pilot.land(here.reason)
@@ -252,13 +252,13 @@ class FlightLoop(Closing):
         self._stopping.note(step)
         phases = [each.safety.phase for each in step.steps]
         if step.crashes:
-            self.helm.change(lambda commander, _: commander.end(step.crashes[0]))
-        here: Commander = self.helm.look()
+            self.commander.change(lambda commander, _: commander.end(step.crashes[0]))
+        here: Commander = self.commander.look()
         if any(phase in AIRBORNE for phase in phases) or math.isnan(self._begun):
             return
         reasons = [each.safety.reason for each in step.steps if each.safety.phase == "cut"]
         if reasons or here.duty == "descending":
-            self.helm.change(lambda commander, _: commander.down(next(iter(reasons), "")))
+            self.commander.change(lambda commander, _: commander.down(next(iter(reasons), "")))
 
     def _show(self, fleet: Fleet, step: FleetStep, counters: list[FollowerCounters]) -> None:
         self._sequence += 1

@@ -7,8 +7,8 @@ from matchset.app.timing.durations import ShownTimes
 from matchset.flight.chain.pilot import Pilot, PilotStep
 from matchset.image.frame import Frame
 from matchset.live.feed import StreamPicture
-from matchset.live.targets.placing import TargetPlace, axes_of, position_of
 from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
+from matchset.live.targets.target_localizer import TargetPlace, axes_of, position_of
 from matchset.live.wire.state import State, TargetState
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle

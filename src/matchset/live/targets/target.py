@@ -14,8 +14,8 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.live.targets.drawn_outline import shape_along
 from matchset.live.targets.messages import Begin, Outline, Pick
-from matchset.live.targets.placing import Placing, TargetPlace
 from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
+from matchset.live.targets.target_localizer import TargetLocalizer, TargetPlace
 from matchset.live.wire.state import TargetState
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.ball_colors import pick_marker
@@ -95,7 +95,7 @@ class Target:
         self.pose: Pose | Lost[Pose] | None = None
 
     _camera: CameraModel | None
-    _placing: Placing | None
+    _placing: TargetLocalizer | None
 
     def locate(self, camera: CameraModel | None, ball: BallTarget | None) -> None:
         """Set what is known of camera and target; None: not known.
@@ -112,7 +112,7 @@ class Target:
         """
         placing = None
         if camera is not None and ball is not None:
-            placing = Placing(camera, ball, self._marker)
+            placing = TargetLocalizer(camera, ball, self._marker)
         self._camera, self.ball, self._placing = camera, ball, placing
 
     def mark(self, frame: Frame, x: float, y: float, width: float) -> None:

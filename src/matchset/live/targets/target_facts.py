@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from matchset.live.targets.placing import TargetPlace
+from matchset.live.targets.target_localizer import TargetPlace
 from matchset.live.wire.state import TargetState
 from matchset.localization.ball_target import BallTarget
 from matchset.shapes.shape import Shape, outline

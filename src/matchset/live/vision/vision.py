@@ -16,7 +16,7 @@ from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.live.feed import News, StreamPicture
 from matchset.live.targets.clicks import CROWDED
-from matchset.live.targets.followed import Followed
+from matchset.live.targets.followed_targets import FollowedTargets
 from matchset.live.targets.messages import Outline, Pick, Wish
 from matchset.live.targets.waiting import WaitingWishes
 from matchset.live.vision.kept_frames import KeptFrames
@@ -67,7 +67,7 @@ class Vision(Closing):
     seen : StreamPicture
         The newest picture.
     kept : KeptFrames
-    followed : Followed
+    followed : FollowedTargets
         What was clicked; for the thread of the pictures alone.
     """
 
@@ -87,7 +87,7 @@ class Vision(Closing):
         )
         self._sequence = 0
         self._size: tuple[int, int, int] | None = None
-        self.followed = Followed(self.kept, self._note)
+        self.followed = FollowedTargets(self.kept, self._note)
         self.followed.locate(camera)
         self._computing = ShownTimes()
         self._done: deque[float] = deque(maxlen=self._parameters.rate_over)

@@ -17,7 +17,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
 from matchset.live.feed import ChartedStream, MaskedStream, Receiver
-from matchset.live.web.guarded import Guarded
+from matchset.live.web.guarded_application import GuardedApplication
 from matchset.live.web.programs import ProgramRoutes, stream_number, whole
 from matchset.live.web.security import Guard
 from matchset.live.web.viewer import FULL, TOO_MANY, Viewer, ViewerContext, Viewers
@@ -62,7 +62,7 @@ def make_application(desk: ViewerContext, viewers: Viewers, guard: Guard) -> Sta
             Route("/download/{name:path}", routes.download),
             Mount("/", StaticFiles(directory=PAGE, html=True)),
         ],
-        middleware=[Middleware(Guarded, guard=guard)],
+        middleware=[Middleware(GuardedApplication, guard=guard)],
         lifespan=lifespan,
     )
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from matchset.media.capture import Capture
+from matchset.media.upright.header_view import pixel_ratio, stated_orientation, stored_size, take_as_stored
 from matchset.media.upright.orientation import AS_STORED, Orientation
-from matchset.media.upright.stated import pixel_ratio, stated_orientation, stored_size, take_as_stored
 from matchset.media.upright.view import View, Wish, view_of
 from matchset.media.video_files.mp4_tracks import VideoTrack
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from matchset.media.capture import Capture
-from matchset.media.upright.stated import take_as_stored
+from matchset.media.upright.header_view import take_as_stored
 from matchset.media.upright.view import View
 from matchset.media.video_files.pyav_capture import reports_damage
 

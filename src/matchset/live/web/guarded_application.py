@@ -1,4 +1,4 @@
-"""Every request passes here first: `Guarded` answers what may not pass, and adds the headers of security."""
+"""Every request passes here first: `GuardedApplication` answers what may not pass, and adds the headers of security."""
 
 from starlette.requests import HTTPConnection
 from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
@@ -11,7 +11,7 @@ FORBIDDEN = 4403  # format: the code with which a session is closed that may not
 SAFE = ("GET", "HEAD")
 
 
-class Guarded:
+class GuardedApplication:
     """Lets through what a `Guard` allows, and adds its headers.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Makes targets beside the loop, one after the other: learning and compiling take longer than a picture (`Maker`)."""
+"""Makes targets beside the loop, one after the other, since that takes longer than a picture: `TargetMaker`."""
 
 import atexit
 import queue
@@ -12,8 +12,8 @@ import msgspec
 T = TypeVar("T")
 
 
-class MakerParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """How a `Maker` ends.
+class TargetMakerParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How a `TargetMaker` ends.
 
     Parameters
     ----------
@@ -26,16 +26,16 @@ class MakerParameters(msgspec.Struct, frozen=True, kw_only=True):
     patience: float = 10.0
 
 
-class Maker(Generic[T]):
+class TargetMaker(Generic[T]):
     """A thread that ends with the process.
 
     Parameters
     ----------
-    parameters : MakerParameters, optional
+    parameters : TargetMakerParameters, optional
     """
 
-    def __init__(self, parameters: MakerParameters | None = None) -> None:
-        self._patience = (parameters or MakerParameters()).patience
+    def __init__(self, parameters: TargetMakerParameters | None = None) -> None:
+        self._patience = (parameters or TargetMakerParameters()).patience
         self._orders: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="matchset maker", daemon=True)
         self._thread.start()

@@ -1,4 +1,4 @@
-"""Where a target is before the camera, and the axes of a marked ball: `Placing`."""
+"""Where a target is before the camera, and the axes of a marked ball: `TargetLocalizer`."""
 
 import math
 from collections.abc import Mapping
@@ -46,7 +46,7 @@ class TargetPlace(NamedTuple):
     left_out: str = ""
 
 
-class Placing:
+class TargetLocalizer:
     """Turns tracks into places.
 
     Parameters

@@ -1,4 +1,4 @@
-"""All targets of a camera: they begin without holding up the pictures, and those that are nothing end (`Followed`)."""
+"""All targets of a camera: they begin without holding up the pictures, what is nothing ends: `FollowedTargets`."""
 
 import functools
 from collections import deque
@@ -12,17 +12,17 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.crossing import Crossing
-from matchset.live.targets.maker import Maker
 from matchset.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread, Wish
-from matchset.live.targets.placing import ball_of, camera_of
 from matchset.live.targets.target import Target, catch_up, exchange, is_beside, same_place
+from matchset.live.targets.target_localizer import ball_of, camera_of
+from matchset.live.targets.target_maker import TargetMaker
 from matchset.live.vision.kept_frames import KeptFrames
 from matchset.live.wire.state import TargetState
 from matchset.media.closing import Closing
 from matchset.tracking.track import Track
 
 
-class FollowedParameters(msgspec.Struct, frozen=True, kw_only=True):
+class FollowedTargetsParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How many targets there are, and how long one may take to be found.
 
     Parameters
@@ -61,7 +61,7 @@ class _Trial(NamedTuple):
     since: float
 
 
-class Followed(Closing):
+class FollowedTargets(Closing):
     """Follows what was clicked. All methods are for one thread, that of the pictures.
 
     Parameters
@@ -70,7 +70,7 @@ class Followed(Closing):
         The last pictures: a click names one.
     note : callable
         Told what a person should know.
-    parameters : FollowedParameters, optional
+    parameters : FollowedTargetsParameters, optional
     clicks : Clicks, optional
         Told what became of each click.
 
@@ -84,17 +84,17 @@ class Followed(Closing):
         self,
         kept: KeptFrames,
         note: Callable[[str], None],
-        parameters: FollowedParameters | None = None,
+        parameters: FollowedTargetsParameters | None = None,
         clicks: Clicks | None = None,
     ) -> None:
         self.clicks = clicks or Clicks(note)
-        self._kept, self._note, self._parameters = kept, note, parameters or FollowedParameters()
+        self._kept, self._note, self._parameters = kept, note, parameters or FollowedTargetsParameters()
         self._targets: dict[int, Target] = {}
         self._trials: dict[int, _Trial] = {}
         self._making: deque[_Making] = deque()
         self._numbers = 0
         self._crossing = Crossing()
-        self._maker: Maker[Target] = Maker()
+        self._maker: TargetMaker[Target] = TargetMaker()
         self.camera: CameraModel | None = None
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The one commander of a flight, asked and changed by several threads: `Helm`."""
+"""The one commander of a flight, asked and changed by several threads: `SharedCommander`."""
 
 import threading
 import time
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from matchset.live.piloting.commander import Commander, SilenceParameters
 
 
-class Helm:
+class SharedCommander:
     """Holds the `Commander`; every look lets silence act.
 
     Parameters

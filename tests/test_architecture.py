@@ -113,3 +113,15 @@ def test_the_glossary_is_short_and_says_each_term_once() -> None:
         assert 1 <= len(re.findall(r"\.(?= |$)", meaning)) <= 2, term
         assert meaning.endswith("."), term
         assert "`" in where, term
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("__init__.py")), ids=lambda path: path.parent.name)
+def test_what_a_folder_says_of_itself_is_there(path: Path) -> None:
+    """Its docstring names modules and folders that stand in it, or names of the code."""
+    said = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    inside = {each.stem for each in path.parent.iterdir()}
+    named = {name.removesuffix(".py").rstrip("/") for name in re.findall(r"`([a-z][a-z0-9_]*(?:\.py|/)?)`", said)}
+    modules = {each.stem for each in PACKAGE.rglob("*.py")} | {
+        each.name for each in PACKAGE.rglob("*") if each.is_dir()
+    }
+    assert named - inside <= modules | EVERYTHING | set().union(*MEMBERS.values()) | {"with", "ros", "training"}

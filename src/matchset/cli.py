@@ -1,7 +1,7 @@
 """The command line `matchset`: the list of its commands.
 
-This module and the `command` modules load quickly, so that `matchset --help` does: the functions that run a command
-import what they need.
+This module and all `command` and `options` modules load quickly, so that `matchset --help` does: the functions that run
+a command import what they need.
 """
 
 import io

@@ -77,7 +77,7 @@ class Session(Closing):
 
         Returns
         -------
-        Seen or None
+        StreamPicture or None
             That picture; None if there is no such stream any more.
         """
         streams = self.streams

@@ -5,7 +5,8 @@ docs/simulation.md shows each. Read `vehicle` (what a vehicle is like, with ``ve
 equations of motion) and `rope` first, then `world` (a chain of vehicles; `chain_motion` holds its kernels). `cameras`
 draws what they see: `vehicle_camera` one field of one camera with `airframe` for the vehicles, `analog_link` (its
 kernels: `line_filter`) what a transmitter makes of it. `toml_settings` reads settings. Folders: `rendering` (how things
-are drawn), `scene` (the room), `clips` (sequences of frames with their truth), `digital_camera` (phones and codecs).
+are drawn), `scene` (the room), `clips` (sequences of frames with their truth), `digital_camera` (phones and
+codecs), `conditions` (gusts, shade, errors of outlines), `on_board` (what a vehicle does by itself).
 """
 
 from matchset.numeric.imports import lazy_names

@@ -89,11 +89,12 @@ def test_a_port_that_takes_no_more_is_said() -> None:
         wire._thread.start()
 
 
+# It is patient with the module, a thread of this test: on a busy computer that waits for its turn.
 PROGRAM = """
 import sys, time
 from matchset.control.command import Command
 from matchset.links.connect import connect
-with connect(sys.argv[1]) as link:
+with connect(sys.argv[1] + "?timeout=20&vehicle_timeout=20") as link:
     link.arm()
     while True:
         link.send(Command(throttle=0.5))

@@ -1,4 +1,4 @@
-"""The command `matchset calibrate`: its options, and whether they ask for a board, a ball, or a board's picture.
+"""The command `matchset calibrate`: whether a board, a ball, or a board's picture is asked for.
 
 This module is loaded for every `matchset --help`; the functions import what they need.
 """

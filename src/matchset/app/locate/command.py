@@ -1,4 +1,4 @@
-"""The command `matchset locate`: its options and its run.
+"""The command `matchset locate`.
 
 This module is loaded for every `matchset --help`; the functions import what they need.
 """

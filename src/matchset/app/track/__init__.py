@@ -1,7 +1,7 @@
 """The commands `matchset track`, `learn`, `score`, `demo` and `params`.
 
-Read `command` first (options, and the run of `track`), then `target_options` and `shape_option` (what to track), `loop`
-(each frame through the tracker), `rows` (the table) and `outputs` (files and stdout). `learn_command` uses
-`frame_picker`, `candidates` (ball-like circles) and `grid_picture`; `score` compares a table with the truth; `demo`
-does all of it on a rendered clip.
+Read `command` and its `options` first, then `run` (of `track`), `loop` (each frame through the tracker), `rows` (the
+table) and `outputs` (files and stdout). What to track comes from `matchset.app.target`. `learn_command` looks for
+ball-like circles and shows them by `grid_picture`; `score` compares a table with the truth; `demo` does all of it on a
+rendered clip.
 """

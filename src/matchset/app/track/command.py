@@ -1,4 +1,4 @@
-"""The commands `track`, `learn`, `score`, `demo` and `params`: their options, and the run of `track`.
+"""The commands `track`, `learn`, `score`, `demo` and `params`.
 
 This module is loaded for every `matchset --help`; the functions import what they need.
 """

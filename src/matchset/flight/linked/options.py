@@ -1,4 +1,4 @@
-"""The options of `matchset fly` for a real vehicle: `LinkedOptions`.
+"""The options of `fly`, `identify` and `preflight` for a real vehicle: `LinkedOptions`.
 
 Imported by the command line, so imports that take long stand inside the functions.
 """

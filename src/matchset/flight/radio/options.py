@@ -1,12 +1,9 @@
 """The options of `matchset radio`, one class each. This module is loaded for every `matchset --help`."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import msgspec
 import typer
-
-if TYPE_CHECKING:
-    pass
 
 Port = Annotated[str, typer.Argument(metavar="PORT", help="Its serial port: /dev/ttyUSB0, /dev/ttyACM0 or COM3.")]
 

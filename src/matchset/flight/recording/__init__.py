@@ -3,5 +3,5 @@
 Read `messages` (what is in a file: the format), `encoding` (steps and pictures to messages and back) and `mcap_file`
 (messages in a file), then `writer` and `reader`. `ros_messages` gives tools of ROS what they can show: `cdr` makes the
 bytes, `ros_definitions` has the types. `replay` runs the pilots on a recording with the `devices` that repeat
-it, and compares every step; `command` is `matchset replay`.
+it, and compares every step; `command` is `matchset replay`. `coded_camera` codes pictures before they are flown.
 """

@@ -1,4 +1,5 @@
 """`matchset simulate`: many simulated flights under changed conditions, and a verdict.
 
-`command.py` is the command and flies them, in processes of their own; `table.py` compares their scores with limits.
+Read `command` first, then `variation` (which flights) and `flights` (each in a process of its own). `table` compares
+their scores with limits, `picture` draws them.
 """

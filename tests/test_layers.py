@@ -76,17 +76,16 @@ def tree(name: str) -> ast.Module:
 
 
 def imported(name: str) -> Iterator[str]:
-    """Full names of the modules a file imports, wherever in it the import stands."""
+    """Full names of what a file imports, modules and names in them, wherever in it the import stands."""
     for node in ast.walk(tree(name)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{name}:{node.lineno}: relative import"
             module = node.module or ""
-            if module == "matchset":  # from matchset import shapes
-                yield from (f"matchset.{alias.name}" for alias in node.names)
-            else:
+            if module != "matchset":  # from matchset import shapes
                 yield module
+            yield from (f"{module}.{alias.name}" for alias in node.names)
 
 
 def called(name: str) -> Iterator[str]:
@@ -140,21 +139,11 @@ def test_no_file_imports_itself_by_way_of_others() -> None:
     modules = {"matchset." + name.removesuffix(".py").replace("/", "."): name for name in FILES}
     modules |= {module.removesuffix(".__init__"): name for module, name in modules.items()}
     files = {name for name in FILES if not name.endswith("__init__.py")}  # which name what is public
-    waiting = {name: {modules[each] for each in _imported_modules(name) if each in modules} & files for name in files}
+    waiting = {name: {modules[each] for each in imported(name) if each in modules} & files for name in files}
     while free := [name for name, others in waiting.items() if not others & waiting.keys() - {name}]:
         for name in free:
             del waiting[name]
     assert not waiting
-
-
-def _imported_modules(name: str) -> Iterator[str]:
-    """Full names of what a file imports: of a module, or of a name in one."""
-    for node in ast.walk(tree(name)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield node.module or ""
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 def test_no_public_class_has_the_name_of_another_one() -> None:

@@ -5,6 +5,7 @@ imports from. Nothing stands right of the diagonal, or `tests/test_layers.py` fa
 """
 
 import ast
+import tomllib
 from collections import Counter
 from pathlib import Path
 
@@ -14,23 +15,8 @@ from matplotlib.patches import Circle, Rectangle
 from matchset.app.drawing.plot_style import GRID, INK, OURS, PAPER, QUIET, SERIES, TEXT, figure_of, write_svg
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "matchset"
-ORDER = (
-    *(
-        "numeric",
-        "shapes",
-        "image",
-        "media",
-        "fitting",
-        "tracking",
-        "camera",
-        "localization",
-        "control",
-        "sim",
-        "links",
-    ),
-    *("app", "flight", "live"),
-)
-"""The order of the folders; `tests/test_docs_pictures.py` compares it with that of `tests/test_layers.py`."""
+ORDER = tuple(tomllib.loads((PACKAGE.parents[1] / "tests" / "budget.toml").read_text(encoding="utf-8")))
+"""The folders, each after those from which it may import."""
 
 LIBRARY = ORDER.index("app")
 SIZES = ((16, 0.40), (4, 0.26), (1, 0.14))  # files that import, at least; radius of their disc, of a square

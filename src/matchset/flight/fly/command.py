@@ -3,14 +3,9 @@
 Imports that take long stand inside the functions, so that `matchset --help` answers at once.
 """
 
-from typing import TYPE_CHECKING
-
 from matchset.app.exit_codes import FOUND
 from matchset.flight.fly.options import FlyOptions
 from matchset.flight.fly.run import run_flight
-
-if TYPE_CHECKING:
-    pass
 
 FLY_EPILOG = """
 [bold]Examples[/bold]

@@ -3,12 +3,7 @@
 Imports that take long stand inside the functions, so that `matchset --help` answers at once.
 """
 
-from typing import TYPE_CHECKING
-
 from matchset.flight.identify.options import IdentifyOptions
-
-if TYPE_CHECKING:
-    pass
 
 IDENTIFY_EPILOG = """
 [bold]Examples[/bold]

@@ -15,7 +15,7 @@ from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import Correct
 from matchset.live.files.run import TrackingRun
 from matchset.live.files.trials import Trial, Trials
-from matchset.live.targets.clicks import AGAIN, CROWDED, NEWER, Clicks
+from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.live.targets.target import Target
 from matchset.live.targets.target_localizer import ball_of, camera_of
@@ -117,9 +117,7 @@ class FileTracking(Closing):
         """Ask for something; done before the next frame. What cannot be done is a note on the page."""
         given_up = self._wishes.put(wish)
         if given_up is not None:
-            self._note(CROWDED)
-            if isinstance(given_up, Pick | Outline):
-                self.clicks.turn_away(given_up, CROWDED)
+            self.clicks.leave_out(given_up)
         if given_up is wish:
             return
         if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading

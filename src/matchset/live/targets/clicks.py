@@ -74,6 +74,12 @@ class Clicks:
         """Say why nothing is followed, without a note: there is one already, or a newer click has taken its place."""
         self._answer(begin, words)
 
+    def leave_out(self, wish: object) -> None:
+        """Say that too much was asked for at once, and that this was not done; of a click its page hears."""
+        self._note(CROWDED)
+        if isinstance(wish, Begin):
+            self._answer(wish, CROWDED)
+
     def _answer(self, begin: Begin, words: str) -> None:
         x, y = (begin.x, begin.y) if isinstance(begin, Pick) else begin.points[:2]
         self._answers.append(ClickAnswer(begin.sequence, x, y, words, begin.click))

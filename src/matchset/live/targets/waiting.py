@@ -4,7 +4,7 @@ import threading
 from collections import deque
 from typing import Generic, TypeVar
 
-from matchset.live.targets.messages import Outline, Pick
+from matchset.live.targets.messages import Begin
 
 T = TypeVar("T")
 
@@ -38,7 +38,7 @@ class WaitingWishes(Generic[T]):
             if len(self._waiting) < self._most:
                 self._waiting.append(wish)
                 return None
-            oldest = next((each for each in self._waiting if isinstance(each, Pick | Outline)), None)
+            oldest = next((each for each in self._waiting if isinstance(each, Begin)), None)
             if oldest is None:
                 return wish
             self._waiting.remove(oldest)

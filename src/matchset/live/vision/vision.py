@@ -15,9 +15,8 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.live.feed import News, StreamPicture
-from matchset.live.targets.clicks import CROWDED
 from matchset.live.targets.followed_targets import FollowedTargets
-from matchset.live.targets.messages import Outline, Pick, Wish
+from matchset.live.targets.messages import Wish
 from matchset.live.targets.waiting import WaitingWishes
 from matchset.live.vision.kept_frames import KeptFrames
 from matchset.live.wire.state import State, TargetState
@@ -116,9 +115,7 @@ class Vision(Closing):
         """Ask for something; done before the next picture. What cannot be done is a note on the page."""
         given_up = self._wishes.put(wish)
         if given_up is not None:
-            self._note(CROWDED)
-            if isinstance(given_up, Pick | Outline):
-                self.followed.clicks.turn_away(given_up, CROWDED)
+            self.followed.clicks.leave_out(given_up)
 
     def use(self, camera: CameraModel | None) -> None:
         """Use another camera model from the next picture on; None: it is not known."""

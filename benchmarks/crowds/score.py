@@ -1,17 +1,17 @@
-"""Who kept which name: HOTA, IDF1 and switches of identities by motmetrics, and what only the truth tells: `Score`."""
+"""Who kept which name: HOTA, IDF1 and switches of identities by TrackEval, and what only the truth tells: `Score`."""
 
 import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 import matchset as ms
 from benchmarks.crowds.scenes import Seen
 
 MIN_VISIBLE = 0.3  # share of its disc from which a ball counts: what is hidden more may be answered, or not
 MIN_IOU = 0.5  # of two discs, from which an answer is of a ball; HOTA takes the mean over its own limits
-ALPHAS = np.arange(0.05, 0.99, 0.05)
 
 
 class Answer(NamedTuple):
@@ -68,44 +68,43 @@ def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score
 
     Answers on balls that are hidden more than `MIN_VISIBLE` allows count neither for nor against.
     """
-    import motmetrics
+    from trackeval.metrics import CLEAR, HOTA, Identity
 
-    accumulators = {float(limit): motmetrics.MOTAccumulator(auto_id=True) for limit in (*ALPHAS, MIN_IOU)}
-    names, doubled = set[int](), 0
-    for seen, said in zip(truth, answers, strict=True):
-        counted = [each for each in seen if each.visible >= MIN_VISIBLE]
-        hidden = [each for each in seen if 0.0 < each.visible < MIN_VISIBLE]
-        names |= {each.identity for each in said}
-        overlaps = np.array([[iou(ball.circle, answer.circle) for answer in said] for ball in counted])
-        overlaps = overlaps.reshape(len(counted), len(said))
-        doubled += int(np.maximum((overlaps > MIN_IOU).sum(axis=1) - 1, 0).sum())
-        excused = [
-            not (overlaps[:, at] > MIN_IOU).any() and any(iou(ball.circle, each.circle) > MIN_IOU for ball in hidden)
-            for at, each in enumerate(said)
-        ]
-        kept = [at for at, free in enumerate(excused) if not free]
-        overlaps, said = overlaps[:, kept], [said[at] for at in kept]
-        for limit, accumulator in accumulators.items():
-            distances = np.where(overlaps >= limit, 1.0 - overlaps, np.nan)
-            accumulator.update([each.identity for each in counted], [each.identity for each in said], distances)
-    return _summary(accumulators, len(names), doubled)
-
-
-def _summary(accumulators: dict[float, object], names: int, doubled: int) -> Score:
-    import motmetrics
-
-    metrics = motmetrics.metrics.create()
-    usual = metrics.compute(
-        accumulators[MIN_IOU],
-        metrics=["idf1", "num_switches", "num_misses", "num_false_positives", "num_objects", "num_predictions"],
-    ).iloc[0]
-    alphas = [metrics.compute(accumulators[float(limit)], metrics=["hota_alpha"]).iloc[0, 0] for limit in ALPHAS]
+    frames = [_frame(seen, said) for seen, said in zip(truth, answers, strict=True)]
+    balls = sorted({name for balls, _, _ in frames for name in balls})
+    names = sorted({name for _, names, _ in frames for name in names})
+    data = {
+        "num_timesteps": len(frames),
+        "num_gt_ids": len(balls),
+        "num_tracker_ids": len(names),
+        "num_gt_dets": sum(len(balls) for balls, _, _ in frames),
+        "num_tracker_dets": sum(len(names) for _, names, _ in frames),
+        "gt_ids": [np.array([balls.index(name) for name in there], int) for there, _, _ in frames],
+        "tracker_ids": [np.array([names.index(name) for name in said], int) for _, said, _ in frames],
+        "similarity_scores": [overlaps for _, _, overlaps in frames],
+    }
+    quiet = {"PRINT_CONFIG": False}
+    hota, clear, identity = (each.eval_sequence(data) for each in (HOTA(), CLEAR(quiet), Identity(quiet)))
     return Score(
-        hota=float(np.mean(alphas)),
-        idf1=float(usual["idf1"]),
-        switches=int(usual["num_switches"]),
-        names=names,
-        doubled=doubled,
-        missed=float(usual["num_misses"] / max(usual["num_objects"], 1)),
-        false=float(usual["num_false_positives"] / max(usual["num_predictions"], 1)),
+        hota=float(np.mean(hota["HOTA"])),
+        idf1=float(identity["IDF1"]),
+        switches=int(clear["IDSW"]),
+        names=len(names),
+        doubled=sum(int(np.maximum((overlaps > MIN_IOU).sum(axis=1) - 1, 0).sum()) for _, _, overlaps in frames),
+        missed=float(clear["CLR_FN"] / max(data["num_gt_dets"], 1)),
+        false=float(clear["CLR_FP"] / max(data["num_tracker_dets"], 1)),
     )
+
+
+def _frame(seen: list[Seen], said: list[Answer]) -> tuple[list[int], list[int], npt.NDArray[np.float64]]:
+    """Balls and names of a frame that count, and how far each two of them are the same."""
+    counted = [each for each in seen if each.visible >= MIN_VISIBLE]
+    hidden = [each for each in seen if 0.0 < each.visible < MIN_VISIBLE]
+    overlaps = np.array([[iou(ball.circle, answer.circle) for answer in said] for ball in counted])
+    overlaps = overlaps.reshape(len(counted), len(said))
+    kept = [
+        at
+        for at, each in enumerate(said)
+        if (overlaps[:, at] > MIN_IOU).any() or not any(iou(ball.circle, each.circle) > MIN_IOU for ball in hidden)
+    ]
+    return [each.identity for each in counted], [said[at].identity for at in kept], overlaps[:, kept]

@@ -10,6 +10,7 @@ from matchset.tracking.ball.judge import NetworkParameters
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 import os
+SUP=float(os.environ.get('SUP','0.6')); BON=float(os.environ.get('BON','12'))
 USED=os.environ.get('USED','1')=='1'
 PAR=TrackerParameters(search=SearchParameters(whole_frame=False),network=NetworkParameters(used=USED,looks=4))
 
@@ -17,7 +18,7 @@ class KF:
     """state per axis [p,v,a] shared covariance; model: acceleration decays with tau"""
     def __init__(s,z,r,t,order):
         s.order=order; s.t=t; s.x=np.zeros((3,2)); s.x[0]=z; s.r=r
-        s.P=np.diag([ (0.05*r+1)**2, (12*r)**2, (70*r)**2 if order==3 else 0.0]); s.ll=0.0
+        s.P=np.diag([ (0.05*r+1)**2, (30*r)**2, (70*r)**2 if order==3 else 0.0]); s.ll=0.0
     def F(s,dt):
         F=np.eye(3); F[0,1]=dt
         if s.order==3: F[0,2]=dt*dt/2; F[1,2]=dt
@@ -86,7 +87,9 @@ class Multi:
                 S=var+sig*sig; d2=far(c,p)**2/S
                 dr=math.log(c.radius/p.radius); Sr=0.06**2+(0.5*gone)**2
                 g=d2+dr*dr/Sr
-                if d2<25 and dr*dr/Sr<25: C[i,j]=0.5*g+math.log(S)+0.5*math.log(Sr)-(0.0)
+                own=v[2] is x and not x.hidden and v[3]>SUP
+                if own: C[i,j]=0.5*min(g,25)+math.log(S)+0.5*math.log(Sr)-BON
+                elif d2<25 and dr*dr/Sr<25: C[i,j]=0.5*g+math.log(S)+0.5*math.log(Sr)-(0.0)
             C[i,m+i]=math.log(60.**2)+12.5
         a=dict(zip(*linear_sum_assignment(C))) if n else {}
         used=set(); out=[]

@@ -35,7 +35,7 @@ class KF:
         s.x=x+np.outer(K,d); s.P=P-np.outer(K,P[0]); s.t=t
 class T:
     def __init__(s,i,color,c,t):
-        s.id=i; s.tr=ms.Tracker(Circle,color,64,parameters=PAR); s.tr.start(c); s.new(c,t); s.hits=1; s.hidden=False; s.born=t
+        s.id=i; s.tr=ms.Tracker(Circle,color,64,parameters=PAR); s.tr.start(c); s.new(c,t); s.hits=1; s.fresh=3; s.hidden=False; s.born=t
     def new(s,c,t):
         s.f=[KF(np.array([c.x,c.y]),c.radius,t,2),KF(np.array([c.x,c.y]),c.radius,t,3)]; s.logr=math.log(c.radius); s.seen=t; s.c=c; s.n=1
     def best(s):
@@ -66,17 +66,18 @@ class Multi:
             gone=t-x.seen
             if not(-p.radius<p.x<W+p.radius and -p.radius<p.y<H+p.radius): x.hidden=True; continue
             if gone>0.6: x.hidden=True; continue
-            if x.hidden or far(x.tr_last if hasattr(x,'tr_last') else x.c,x.c)>0: x.tr.start(p)
+            if x.hidden or x.fresh>0: x.tr.start(p); x.fresh=max(x.fresh-1,0) if not x.hidden else 3
             try: r=x.tr.update(frame)
             except ValueError: continue
             if isinstance(r,Track): sights.append([r.shape,r,x,r.support])
         # one ball, one sighting
         sights.sort(key=lambda v:-v[3]); keep=[]
         for v in sights:
-            if any(far(v[0],k[0])<0.6*max(v[0].radius,k[0].radius) and abs(math.log(v[0].radius/k[0].radius))<0.35 for k in keep): continue
-            keep.append(v)
+            same=next((k for k in keep if far(v[0],k[0])<0.6*max(v[0].radius,k[0].radius) and abs(math.log(v[0].radius/k[0].radius))<0.35),None)
+            if same is not None: same[4].add(v[2]); continue
+            keep.append([*v,{v[2]}])
         sights=keep
-        for c in s.search.update(frame,[v[0] for v in sights]): sights.append([c,None,None,1.0])
+        for c in s.search.update(frame,[v[0] for v in sights]): sights.append([c,None,None,1.0,set()])
         # assignment
         n,m=len(s.ts),len(sights)
         C=np.full((n,m+n),1e6)
@@ -87,7 +88,7 @@ class Multi:
                 S=var+sig*sig; d2=far(c,p)**2/S
                 dr=math.log(c.radius/p.radius); Sr=0.06**2+(0.5*gone)**2
                 g=d2+dr*dr/Sr
-                own=v[2] is x and not x.hidden and v[3]>SUP
+                own=x in v[4] and not x.hidden and v[3]>SUP
                 if own: C[i,j]=0.5*min(g,25)+math.log(S)+0.5*math.log(Sr)-BON
                 elif d2<25 and dr*dr/Sr<25: C[i,j]=0.5*g+math.log(S)+0.5*math.log(Sr)-(0.0)
             C[i,m+i]=math.log(60.**2)+12.5
@@ -96,8 +97,8 @@ class Multi:
         for i,x in enumerate(s.ts):
             j=a[i]
             if j<m and C[i,j]<1e5:
-                used.add(j); c,r,owner,_=sights[j]
-                if owner is not x: x.tr.start(c)
+                used.add(j); c,r,owner=sights[j][:3]
+                if owner is not x: x.tr.start(c); x.fresh=3
                 x.upd(c,t); x.hits+=1; x.hidden=False
                 out.append(Answer(x.id,c))
             else:

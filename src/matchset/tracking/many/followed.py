@@ -47,7 +47,7 @@ class Followed:
     def __init__(self, label: str, slot: int, tracker: Tracker[Any], track: Track[Any]) -> None:
         self.label, self.slot, self.tracker, self.track = label, slot, tracker, track
         self.identity: int | None = None
-        self.since = self.seen = track.time
+        self.since = self.seen = self.sought = track.time
         self.own, self.sightings, self.restarts = False, 1, 0
         self.alternatives: tuple[int, ...] = ()
         tracker.restart(track.shape)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
-STEADY, BALLISTIC = range(2)  # format: models of motion
+STEADY, BALLISTIC, HALTED = range(3)  # format: models of motion; the last has no filter of its own
 ORDERS = 3  # format: position, velocity and acceleration of each axis
 
 
@@ -34,6 +34,10 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         Sightings before free flight is considered: an acceleration is not known sooner.
     center_sigma_px, center_sigma : float
         Standard deviation of a sighting's center beside its own covariance: px, and in half-widths.
+    halts_within : float
+        Mean time within which a target that is not seen has come to rest, or was caught, s.
+    drift : float
+        How far one at rest moves meanwhile, half-widths per root of s.
     size_sigma, size_rate : float
         Standard deviation of ln(half-width) of a sighting, and of its change, 1/s.
     size_gain : float
@@ -48,6 +52,8 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     steady_first: int = 6
     center_sigma_px: float = 0.5
     center_sigma: float = 0.05
+    halts_within: float = 1.0
+    drift: float = 3.0
     size_sigma: float = 0.06
     size_rate: float = 0.5
     size_gain: float = 0.3
@@ -117,10 +123,20 @@ class MotionBank:
         scores = np.where(young[:, None], (0.0, -np.inf), self._scores)
         scores -= scores.max(axis=1, keepdims=True)
         weights = scores - np.log(np.exp(scores).sum(axis=1, keepdims=True))
-        gone = np.maximum(time - self._time, 0.0)
+        gone, half_widths = np.maximum(time - self._time, 0.0), np.exp(self._size)
+        halted = -np.expm1(-gone / self.limits.halts_within)  # how likely it has come to rest, or was caught, meanwhile
+        with np.errstate(divide="ignore"):
+            weights = np.concatenate((weights + np.log1p(-halted)[:, None], np.log(halted)[:, None]), axis=1)
         sizes = self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2
+        drift = self._covariance[:, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
+        last = self._state[:, STEADY, 0]
         return Predicted(
-            states[:, :, 0], states[:, :, 1], covariances[:, :, 0, 0], weights, np.exp(self._size), sizes
+            np.concatenate((states[:, :, 0], last[:, None]), axis=1),
+            np.concatenate((states[:, :, 1], np.zeros_like(last)[:, None]), axis=1),
+            np.concatenate((covariances[:, :, 0, 0], drift[:, None]), axis=1),
+            weights,
+            half_widths,
+            sizes,
         )
 
     def correct(self, slots: Indices, places: Floats, variances: Floats, time: float) -> None:

@@ -157,11 +157,22 @@ class MultiTracker(Copied):
         return merged(found, limits.same_distance, limits.same_log_size)
 
     def _search(self, frame: Frame, predicted: Predicted, sightings: list[Sighting]) -> list[Sighting]:
+        """Search a strip for what nobody follows, and a quarter around one of those that were seen and are not."""
         limits, known = self.parameters, [each.place for each in sightings]
         sigmas = limits.motion.center_sigma_px, limits.motion.center_sigma
         labels = list(self.colors)
         label = labels[self._frames % len(labels)]
-        return [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, known)]
+        found = [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, known)]
+        followed = {slot for each in sightings for slot in each.owners}
+        lost = [each for each in self._targets if each.slot not in followed]
+        if lost:
+            sought = min(lost, key=lambda each: (each.identity is not None, each.sought, -each.seen))
+            sought.sought = frame.time
+            tracks = self._searches[sought.label].near(
+                frame, sought.expected(predicted), [*known, *(each.place for each in found)]
+            )
+            found += [sighting_of(track, sigmas, sought.label)._replace(sure=False) for track in tracks]
+        return found
 
     def _associate(self, sightings: list[Sighting], predicted: Predicted) -> list[int]:
         if not self._targets:
@@ -201,7 +212,7 @@ class MultiTracker(Copied):
         hidden = [each.expected(predicted) for each in self._targets if 0.0 < frame.time - each.seen < 0.3]
         seen_now = [each.place for each in self._targets if each.seen == frame.time]
         for k, seen in enumerate(sightings):
-            if k in chosen or seen.owners or not self._free:
+            if k in chosen or seen.owners or not seen.sure or not self._free:
                 continue
             if any(seen.place.distance(each) < seen.place.half_width + each.half_width for each in hidden):
                 continue

@@ -29,6 +29,7 @@ class Sighting(NamedTuple):
     variance: float
     label: str
     owners: tuple[int, ...]
+    sure: bool = True
 
 
 def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str, owners: tuple[int, ...] = ()) -> Sighting:

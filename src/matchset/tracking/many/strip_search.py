@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.fitter import Estimate
+from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
@@ -40,6 +41,8 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
         MSAC score below which the fit of a candidate is given up at once. The same as in the tracker's own search.
     range_cells, range_share : float
         Search range around a candidate's outline, the larger of the two: in cells of the grid, in half-widths.
+    speed : float
+        Speed that a shape may have at first sight, px per frame: the fields of an interlaced picture may lie apart.
     same_distance : float
         Shapes whose centers are nearer than this, in half-widths of the larger one, are the same.
     grid : SearchParameters
@@ -52,8 +55,16 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
     min_score: float = 0.25
     range_cells: float = 2.0
     range_share: float = 0.2
+    speed: float = 8.0
     same_distance: float = 0.7
     grid: SearchParameters = SearchParameters()
+
+
+class _Searched(NamedTuple):
+    """What is known of what a part of the image is searched for: size of a cell, px; whether it is expected there."""
+
+    stride: int
+    expected: bool
 
 
 class StripSearch:
@@ -73,7 +84,7 @@ class StripSearch:
         self.family, self.color = family, color
         self.parameters = parameters or StripSearchParameters()
         self._fitter = tracking_fitter(family, self.parameters.points)
-        self._searcher: Searcher | None = None
+        self._searchers: dict[tuple[int, int], Searcher] = {}
         self._strip = 0
         precompile_search(family, color.table.size, color.channels)
 
@@ -91,20 +102,35 @@ class StripSearch:
         list of Track
             Confirmed shapes that are none of these, best first.
         """
-        image = channels_last(frame.image)
-        height, width = image.shape[:2]
-        size = width, max(height // 2, 1)
-        if self._searcher is None or self._searcher.size != size:
-            self._searcher = Searcher(*size, self.parameters.grid)
-        top = self._strip * (height - size[1]) // (STRIPS - 1)
+        height, width = frame.image.shape[:2]
+        size = max(height // 2, 1)
+        top = self._strip * (height - size) // (STRIPS - 1)
         self._strip = (self._strip + 1) % STRIPS
+        return self._within(frame, (0, top, width, size), known, False)
+
+    def near(self, frame: Frame, place: Gate, known: Sequence[Gate]) -> list[Track[Any]]:
+        """Search a quarter of the image around a place; otherwise as `update`."""
+        height, width = frame.image.shape[:2]
+        columns, rows = max(width // 2, 1), max(height // 2, 1)
+        left = round(min(max(place.x - 0.5 * columns, 0.0), width - columns))
+        top = round(min(max(place.y - 0.5 * rows, 0.0), height - rows))
+        return self._within(frame, (left, top, columns, rows), known, True)
+
+    def _within(self, frame: Frame, box: tuple[int, int, int, int], known: Sequence[Gate], expected: bool) -> list[Track[Any]]:
+        """Search a part of the image: left, top, columns and rows, px."""
+        image, (left, top, columns, rows) = channels_last(frame.image), box
+        searcher = self._searchers.get((columns, rows))
+        if searcher is None:
+            searcher = self._searchers[columns, rows] = Searcher(columns, rows, self.parameters.grid)
+        part = image[top : top + rows, left : left + columns]
+        part = part if part.flags.c_contiguous else np.ascontiguousarray(part)
         found: list[Track[Any]] = []
         taken, fitted = list(known), 0
-        for state in self._starts(image[top : top + size[1]], top):
+        for state in self._starts(searcher, part, (left, top)):
             if self._is_known(gate_of(self.family, state), taken) or fitted == self.parameters.candidates:
                 continue
             fitted += 1
-            estimate = self._fit(image, state)
+            estimate = self._fit(image, state, _Searched(searcher.stride, expected))
             if estimate is None or self._is_known(gate_of(self.family, estimate.state), taken):
                 continue
             taken.append(gate_of(self.family, estimate.state))
@@ -112,27 +138,35 @@ class StripSearch:
         self._fitter.forget()
         return found
 
-    def _starts(self, strip: npt.NDArray[np.uint8], top: int) -> Iterator[npt.NDArray[np.float64]]:
-        """States of the family at which something in a strip may be, likeliest first."""
-        assert self._searcher is not None
+    def _starts(
+        self, searcher: Searcher, part: npt.NDArray[np.uint8], corner: tuple[int, int]
+    ) -> Iterator[npt.NDArray[np.float64]]:
+        """States of the family at which something in a part of the image may be, likeliest first."""
+        left, top = corner
         if not finds_itself(self.family):
-            for x, y, radius, _ in self._searcher.candidates(strip, self.color).tolist():
-                yield self.family.from_coarse(x, y + top, radius).state
+            for x, y, radius, _ in searcher.candidates(part, self.color).tolist():
+                yield self.family.from_coarse(x + left, y + top, radius).state
             return
-        for hull in self._searcher.hulls(strip, self.color):
-            shape = next(iter(from_hull(self.family, hull + (0.0, float(top)))), None)
+        for hull in searcher.hulls(part, self.color):
+            shape = next(iter(from_hull(self.family, hull + (float(left), float(top)))), None)
             if shape is not None:
                 yield shape.state
 
-    def _fit(self, image: npt.NDArray[np.uint8], state: npt.NDArray[np.float64]) -> Estimate | None:
-        """Fit a shape about a state; None if nothing there is one."""
+    def _fit(self, image: npt.NDArray[np.uint8], state: npt.NDArray[np.float64], searched: _Searched) -> Estimate | None:
+        """Fit a shape about a state, first at rest and then moving; None if nothing there is one."""
         limits, fitter = self.parameters, self._fitter
-        assert self._searcher is not None
-        reach = max(limits.range_cells * self._searcher.stride, limits.range_share * gate_of(self.family, state).half_width)
-        estimate = fitter.fit(image, self.color, state, SearchWindow(reach, min_score=limits.min_score))
-        if not estimate.is_fitted or estimate.fit.half_width < limits.min_half_width_px:
-            return None
-        return None if fitter.validator.validate_detection(estimate.fit) else estimate
+        reach = max(limits.range_cells * searched.stride, limits.range_share * gate_of(self.family, state).half_width)
+        at_rest = SearchWindow(reach, min_score=limits.min_score)
+        moving = SearchWindow(reach, limits.speed, velocity_unknown=True)
+        for window in (at_rest, moving):
+            estimate = fitter.fit(image, self.color, state, window)
+            if estimate.is_fitted and estimate.fit.half_width >= limits.min_half_width_px:
+                if searched.expected:
+                    estimate = fitter.weigh(estimate, image, self.color)
+                if not fitter.validate_detection(estimate, Prior.HERE if searched.expected else Prior.PRESENT):
+                    return estimate
+                state = estimate.state
+        return None
 
     def _is_known(self, place: Gate, others: Sequence[Gate]) -> bool:
         """Whether a shape is one of the others, or inside one, or around one."""

@@ -12,6 +12,7 @@ Indices = npt.NDArray[np.intp]
 
 STEADY, BALLISTIC, HALTED = range(3)  # format: models of motion; the last has no filter of its own
 ORDERS = 3  # format: position, velocity and acceleration of each axis
+TINY = 1e-9  # format: a probability of nearly nothing, whose logarithm is a number
 
 
 class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -30,6 +31,8 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         Standard deviations of what is not known of a new target, half-widths/s and half-widths/s^2.
     memory : float
         Share of the log-likelihood of a model that is kept from frame to frame: less changes models sooner.
+    changes : float
+        Probability that a target moves otherwise than it did.
     steady_first : int
         Sightings before free flight is considered: an acceleration is not known sooner.
     center_sigma_px, center_sigma : float
@@ -49,6 +52,7 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     start_speed: float = 30.0
     start_acceleration: float = 70.0
     memory: float = 0.9
+    changes: float = 0.05
     steady_first: int = 6
     center_sigma_px: float = 0.5
     center_sigma: float = 0.05
@@ -119,14 +123,14 @@ class MotionBank:
     def predict(self, time: float) -> Predicted:
         """Predict all slots at a time, s."""
         states, covariances = self._ahead(time)
-        young = self._sightings < self.limits.steady_first
-        scores = np.where(young[:, None], (0.0, -np.inf), self._scores)
-        scores -= scores.max(axis=1, keepdims=True)
-        weights = scores - np.log(np.exp(scores).sum(axis=1, keepdims=True))
+        odds = np.exp(self._scores - self._scores.max(axis=1, keepdims=True))
+        shares = np.maximum(odds / odds.sum(axis=1, keepdims=True), self.limits.changes)
+        shares[self._sightings < self.limits.steady_first] = 1.0, TINY
+        weights = np.log(shares)
         gone, half_widths = np.maximum(time - self._time, 0.0), np.exp(self._size)
         halted = -np.expm1(-gone / self.limits.halts_within)  # how likely it has come to rest, or was caught, meanwhile
-        with np.errstate(divide="ignore"):
-            weights = np.concatenate((weights + np.log1p(-halted)[:, None], np.log(halted)[:, None]), axis=1)
+        halted = np.clip(halted, TINY, 1.0 - TINY)
+        weights = np.concatenate((weights + np.log1p(-halted)[:, None], np.log(halted)[:, None]), axis=1)
         sizes = self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2
         drift = self._covariance[:, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
         last = self._state[:, STEADY, 0]

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from matchset.image.color import ColorModel
-from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
+from matchset.image.frame import ArrayFrames, Frame, Picture, channels_last, check_follows
 from matchset.numeric.arguments import check_kind, checked_count
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
@@ -16,7 +16,7 @@ from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.many.association import AssociationParameters, associate, distances
 from matchset.tracking.many.followed import Followed
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
-from matchset.tracking.many.sightings import Sighting, merged, sighting_of
+from matchset.tracking.many.sightings import MergeParameters, Sighting, merged, sighting_of
 from matchset.tracking.many.strip_search import StripSearch, StripSearchParameters
 from matchset.tracking.many.target import Target
 from matchset.tracking.motion import Gate
@@ -47,11 +47,10 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
         find it.
     restarts : int
         Frames in which a tracker is started anew where its target is expected, after that was hidden.
-    same_distance, same_log_size : float
-        Sightings nearer than this, in half-widths, whose sizes differ by less, as a logarithm, are one.
     points : int
         Lines across each outline, see `Tracker`.
     motion : ManyMotionParameters
+    merge : MergeParameters
     association : AssociationParameters
     search : StripSearchParameters
     tracker : TrackerParameters
@@ -62,10 +61,9 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     confirm: int = 2
     expected: float = 0.6
     restarts: int = 3
-    same_distance: float = 0.6
-    same_log_size: float = 0.35
     points: int = 64
     motion: ManyMotionParameters = ManyMotionParameters()
+    merge: MergeParameters = MergeParameters()
     association: AssociationParameters = AssociationParameters()
     search: StripSearchParameters = StripSearchParameters()
     tracker: TrackerParameters = ONE_OF_SEVERAL
@@ -112,7 +110,9 @@ class MultiTracker(Copied):
         self._forget_old(frame.time)
         predicted = self._bank.predict(frame.time)
         sightings = self._follow(frame, predicted)
-        sightings += self._search(frame, predicted, sightings)
+        found = self._search(frame, predicted, sightings)
+        if found:
+            sightings = merged([*sightings, *found], channels_last(frame.image), self.colors, self.parameters.merge)
         chosen = self._associate(sightings, predicted)
         self._correct(frame, sightings, chosen)
         self._begin(frame, sightings, chosen, predicted)
@@ -154,7 +154,7 @@ class MultiTracker(Copied):
             answer = each.follow(frame, predicted, self._passed)
             if isinstance(answer, Track):
                 found.append(sighting_of(answer, sigmas, each.label, (each.slot,)))
-        return merged(found, limits.same_distance, limits.same_log_size)
+        return merged(found, channels_last(frame.image), self.colors, limits.merge)
 
     def _search(self, frame: Frame, predicted: Predicted, sightings: list[Sighting]) -> list[Sighting]:
         """Search a strip for what nobody follows, and a quarter around one of those that were seen and are not."""

@@ -12,6 +12,35 @@ from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
 
+class Group:
+    """Targets of which only the nearest is seen; which of them that is, what was seen since they met will tell.
+
+    Attributes
+    ----------
+    scores : dict of Followed to float
+        Log-likelihood of what was seen since, if that was this target.
+    """
+
+    def __init__(self) -> None:
+        self.scores: dict[Followed, float] = {}
+
+    def add(self, each: "Followed", score: float) -> None:
+        """Add a target."""
+        self.scores[each], each.group = score, self
+
+    def remove(self, each: "Followed") -> None:
+        """Remove a target; one that remains alone is in no group."""
+        del self.scores[each]
+        each.group = None
+        if len(self.scores) == 1:
+            next(iter(self.scores)).group = None
+            self.scores.clear()
+
+    def handicap(self, each: "Followed") -> float:
+        """Return how much less likely it is that this target was seen than that the likeliest one was."""
+        return max(self.scores.values()) - self.scores[each]
+
+
 class Followed:
     """A target that is followed, or expected while it is hidden.
 
@@ -40,8 +69,8 @@ class Followed:
         In how many frames it was seen.
     restarts : int
         In how many frames to come its tracker is started where the filters expect it.
-    alternatives : tuple of int
-        Which targets it may be as well.
+    group : Group or None
+        Those of which only one is seen, this one among them.
     """
 
     def __init__(self, label: str, slot: int, tracker: Tracker[Any], track: Track[Any]) -> None:
@@ -49,7 +78,7 @@ class Followed:
         self.identity: int | None = None
         self.since = self.seen = self.sought = track.time
         self.own, self.sightings, self.restarts = False, 1, 0
-        self.alternatives: tuple[int, ...] = ()
+        self.group: Group | None = None
         tracker.restart(track.shape)
 
     @property
@@ -63,9 +92,14 @@ class Followed:
         return gate_of(self.family, self.track.shape.state)
 
     def expected(self, predicted: Predicted) -> Gate:
-        """Return where it should be, px."""
-        center, _, _ = predicted.likeliest(self.slot)
-        return Gate(float(center[0]), float(center[1]), float(predicted.half_widths[self.slot]))
+        """Return where it should be, px; of one that is hidden behind another, by its motion before."""
+        slot = self.slot_now(predicted)
+        center, _, _ = predicted.likeliest(slot)
+        return Gate(float(center[0]), float(center[1]), float(predicted.half_widths[slot]))
+
+    def slot_now(self, predicted: Predicted) -> int:
+        """Slot of the filters that say where it is: the second one while it is hidden behind another target."""
+        return self.slot if self.group is None or self.own else self.slot + len(predicted.half_widths) // 2
 
     def shape_at(self, place: Gate) -> Shape:
         """Return its shape at another place, px."""
@@ -79,9 +113,10 @@ class Followed:
     def follow(self, frame: Frame, predicted: Predicted, passed: float) -> Track[Any] | Lost[Any]:
         """Track it in a frame, `passed` seconds after the one before; from where it is expected if it was hidden."""
         if not self.own or self.restarts > 0:
-            center, velocity, _ = predicted.likeliest(self.slot)
+            slot = self.slot_now(predicted)
+            center, velocity, _ = predicted.likeliest(slot)
             before = center - passed * velocity
-            place = Gate(float(before[0]), float(before[1]), float(predicted.half_widths[self.slot]))
+            place = Gate(float(before[0]), float(before[1]), float(predicted.half_widths[slot]))
             self.tracker.start(self.shape_at(place), (float(velocity[0]), float(velocity[1])))
             self.restarts -= 1
         return self.tracker.update(frame)

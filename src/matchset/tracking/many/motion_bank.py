@@ -168,9 +168,10 @@ class MotionBank:
         self._sightings[slots] += 1.0
         self._time[slots] = time
 
-    def last_seen(self, slot: int) -> float:
-        """Return when a slot was corrected last, s."""
-        return float(self._time[slot])
+    def copy(self, source: int, target: int) -> None:
+        """Let a slot be as another one."""
+        for each in (self._state, self._covariance, self._scores, self._size, self._sightings, self._time):
+            each[target] = each[source]
 
     def _ahead(self, time: float) -> tuple[Floats, Floats]:
         """States and covariances of all slots at a time, s."""

@@ -6,6 +6,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import ArrayFrames, Frame, Picture, channels_last, check_follows
@@ -14,7 +15,7 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.many.association import AssociationParameters, associate, distances
-from matchset.tracking.many.followed import Followed
+from matchset.tracking.many.followed import Followed, Group
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import MergeParameters, Sighting, merged, sighting_of
 from matchset.tracking.many.strip_search import StripSearch, StripSearchParameters
@@ -28,6 +29,7 @@ from matchset.tracking.tracker import Tracker
 ONE_OF_SEVERAL = TrackerParameters(search=SearchParameters(whole_frame=False), network=NetworkParameters(looks=4))
 MOST = 100  # format: targets at once
 
+Floats = npt.NDArray[np.float64]
 Colors = ColorModel | Sequence[ColorModel] | Mapping[str, ColorModel]
 
 
@@ -61,6 +63,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     confirm: int = 2
     expected: float = 0.6
     restarts: int = 3
+    hidden_distance: float = 0.9
     points: int = 64
     motion: ManyMotionParameters = ManyMotionParameters()
     merge: MergeParameters = MergeParameters()
@@ -89,7 +92,7 @@ class MultiTracker(Copied):
         self._searches = {
             label: StripSearch(family, color, self.parameters.search) for label, color in self.colors.items()
         }
-        self._bank = MotionBank(most, self.parameters.motion)
+        self._bank = MotionBank(2 * most, self.parameters.motion)
         self._targets: list[Followed] = []
         self._spare: dict[str, list[Tracker[Any]]] = {label: [] for label in self.colors}
         self._free = list(range(most))
@@ -113,8 +116,8 @@ class MultiTracker(Copied):
         found = self._search(frame, predicted, sightings)
         if found:
             sightings = merged([*sightings, *found], channels_last(frame.image), self.colors, self.parameters.merge)
-        chosen = self._associate(sightings, predicted)
-        self._correct(frame, sightings, chosen)
+        chosen, cost = self._associate(sightings, predicted)
+        self._correct(frame, sightings, chosen, predicted, cost)
         self._begin(frame, sightings, chosen, predicted)
         return self._answers(frame, predicted)
 
@@ -133,6 +136,8 @@ class MultiTracker(Copied):
         for each in list(self._targets):
             gone = time - each.seen
             if gone > limits.memory or (each.identity is None and gone > 2.5 * self._passed):
+                if each.group is not None:
+                    each.group.remove(each)
                 self._targets.remove(each)
                 self._free.append(each.slot)
                 self._spare[each.label].append(each.tracker)
@@ -174,26 +179,66 @@ class MultiTracker(Copied):
             found += [sighting_of(track, sigmas, sought.label)._replace(sure=False) for track in tracks]
         return found
 
-    def _associate(self, sightings: list[Sighting], predicted: Predicted) -> list[int]:
-        if not self._targets:
-            return []
-        slots, limits = [each.slot for each in self._targets], self.parameters
-        squared, cost = distances(predicted, slots, sightings, limits.motion)
-        own = np.array(
-            [
-                [
-                    each.own and each.slot in seen.owners and seen.track.support > limits.association.own_support
-                    for seen in sightings
-                ]
-                for each in self._targets
-            ],
-            bool,
-        ).reshape(squared.shape)
-        return associate(squared, cost, own, limits.association)
+    def _associate(self, sightings: list[Sighting], predicted: Predicted) -> tuple[list[int], Floats]:
+        """Likeliest sighting of every target, -1 for none; and the cost of each sighting as that which is seen."""
+        limits, motion, targets = self.parameters.association, self.parameters.motion, self._targets
+        squared, cost = distances(predicted, [each.slot for each in targets], sightings, motion)
+        seen = cost
+        own = np.zeros(cost.shape, bool)
+        for i, each in enumerate(targets):
+            for k, sighting in enumerate(sightings):
+                own[i, k] = each.own and each.slot in sighting.owners and sighting.track.support > limits.own_support
+        if any(each.group for each in targets):
+            behind_squared, behind = distances(predicted, [each.slot + self.most for each in targets], sightings, motion)
+            squared, cost = squared.copy(), cost.copy()
+            fronts = {each.slot: each.group for each in targets if each.group is not None and each.own}
+            for i, each in enumerate(targets):
+                if each.group is None:
+                    continue
+                for k, sighting in enumerate(sightings):
+                    if any(fronts.get(slot) is each.group for slot in sighting.owners):
+                        cost[i, k] += each.group.handicap(each)
+                        own[i, k] = True
+                    else:
+                        squared[i, k], cost[i, k], own[i, k] = behind_squared[i, k], behind[i, k], False
+        return associate(squared, cost, own, limits), seen
 
-    def _correct(self, frame: Frame, sightings: list[Sighting], chosen: list[int]) -> None:
-        slots, places, variances = [], [], []
+    def _correct(self, frame: Frame, sightings: list[Sighting], chosen: list[int], predicted: Predicted, cost: Floats) -> None:
+        """Correct the filters of all that are seen; note who may be hidden behind whom."""
+        slots, ks = [], []
+        front = {each.group: k for each, k in zip(self._targets, chosen, strict=True) if each.group and k >= 0 and self._is_front(each, sightings[k])}
+        # emerged ones leave their group
         for each, k in zip(self._targets, chosen, strict=True):
+            if each.group is not None and k >= 0 and front.get(each.group) != k:
+                self._bank.copy(each.slot + self.most, each.slot)
+                each.group.remove(each)
+        # new groups
+        for i, (each, k) in enumerate(zip(self._targets, chosen, strict=True)):
+            if k >= 0 or each.group is not None or not each.own:
+                continue
+            place = each.expected(predicted)
+            for j, (other, m) in enumerate(zip(self._targets, chosen, strict=True)):
+                if m < 0 or other is each:
+                    continue
+                larger = max(place.half_width, sightings[m].place.half_width)
+                if place.distance(sightings[m].place) < self.parameters.hidden_distance * larger:
+                    if other.group is None:
+                        self._bank.copy(other.slot, other.slot + self.most)
+                        group = Group()
+                        group.add(other, 0.0)
+                        front[group] = m
+                    if front.get(other.group) != m:
+                        continue
+                    self._bank.copy(each.slot, each.slot + self.most)
+                    other.group.add(each, 0.0)
+                    break
+        for i, (each, k) in enumerate(zip(self._targets, chosen, strict=True)):
+            if k < 0 and each.group is not None and each.group in front:
+                m = front[each.group]
+                each.group.scores[each] -= float(cost[i, m])
+                slots.append(each.slot), ks.append(m)
+            elif k >= 0 and each.group is not None:
+                each.group.scores[each] -= float(cost[i, k])
             if k < 0:
                 each.own, each.restarts = False, self.parameters.restarts
                 continue
@@ -203,9 +248,14 @@ class MultiTracker(Copied):
             each.own = True
             each.track, each.seen = seen.track, frame.time
             each.sightings += 1
-            slots.append(each.slot), places.append(seen.place), variances.append(seen.variance)
+            slots.append(each.slot), ks.append(k)
         if slots:
-            self._bank.correct(np.array(slots), np.array(places), np.array(variances), frame.time)
+            places, variances = np.array([sightings[k].place for k in ks]), np.array([sightings[k].variance for k in ks])
+            self._bank.correct(np.array(slots), places, variances, frame.time)
+
+    def _is_front(self, each: Followed, seen: Sighting) -> bool:
+        fronts = {other.slot for other in self._targets if other.own and other.group is each.group}
+        return any(slot in fronts for slot in seen.owners)
 
     def _begin(self, frame: Frame, sightings: list[Sighting], chosen: list[int], predicted: Predicted) -> None:
         """Begin with what nobody follows; not next to a target that is hidden, since it may be that."""
@@ -238,8 +288,13 @@ class MultiTracker(Copied):
             track: Track[Any] | Lost[Any] = each.track
             if each.seen != frame.time:
                 track = Lost("hidden", frame.time, each.shape_at(each.expected(predicted)))
-            answers.append(Target(each.identity, each.label, track, each.since, each.alternatives))
+            answers.append(Target(each.identity, each.label, track, each.since, self._alternatives(each)))
         return sorted(answers, key=lambda target: target.identity)
+
+
+    def _alternatives(self, each: Followed) -> tuple[int, ...]:
+        others = () if each.group is None else each.group.scores
+        return tuple(sorted(other.identity for other in others if other is not each and other.identity is not None))
 
 
 def _named(colors: Colors) -> dict[str, ColorModel]:

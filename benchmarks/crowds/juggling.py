@@ -1,7 +1,9 @@
 """Jugglers with up to five balls each: `juggling`; their hands hide the balls that they hold."""
 
 import bisect
+import itertools
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +17,9 @@ BALL = 0.08  # m, radius
 FLIGHT = 0.85  # s, of a throw; 0.9 m high
 HELD = 0.32  # s, for which a hand holds a ball
 LEG = FLIGHT + HELD  # s, from throw to throw of a ball
-INSIDE, OUTSIDE = 0.12, 0.36  # m, beside the juggler's middle: where balls are thrown, and where they are caught
+INSIDE, OUTSIDE = 0.16, 0.38  # m, beside the juggler's middle: where balls are thrown, and where they are caught
 LOW = 0.52  # m, below the camera's axis: the hands
-LANE = 0.11  # m, by which throws of one hand are nearer, and those of the other farther: they do not collide
+LANE = 0.14  # m, by which throws of one hand are nearer, and those of the other farther: they do not collide
 DIP = 0.09  # m, by which a hand goes down while it holds a ball
 
 
@@ -76,7 +78,7 @@ class Juggler:
         ]
         self._holds: list[list[Hold]] = [[], []]
         for throws in self._throws:
-            for leg, (one, other) in enumerate(zip(throws, throws[1:], strict=False)):
+            for leg, (one, other) in enumerate(itertools.pairwise(throws)):
                 self._holds[(leg + 1) % 2].append(Hold(one.end, one.caught, other.begin, other.thrown))
         for holds in self._holds:
             holds.sort()
@@ -95,7 +97,7 @@ class Juggler:
 
     def paths(self) -> list[PositionFunction]:
         """Where each ball is at a time."""
-        return [lambda time, number=number: self._place(number, time) for number in range(len(self._throws))]
+        return [partial(self._place, number) for number in range(len(self._throws))]
 
     def _place(self, number: int, time: float) -> Point:
         throws = self._throws[number]
@@ -106,18 +108,18 @@ class Juggler:
         return Hold(throw.end, throw.caught, throws[leg + 1].begin, throws[leg + 1].thrown).at(time)
 
     def hands(self) -> list[LimbFunction]:
-        """The limbs of both hands at a time."""
-        return [lambda time, side=side: self._limbs(side, time) for side in range(2)]
+        """Return the limbs of both hands at a time."""
+        return [partial(self._limbs, side) for side in range(2)]
 
     def _limbs(self, side: int, time: float) -> list[Limb]:
         """Forearm, palm and fingers, between the camera and the ball that is held."""
-        x, y, z = self._palm(side, time)
-        z -= 1.5 * BALL
+        before = 1.0 - 1.5 * BALL / self._middle[1]  # toward the camera, on the ray to the ball
+        x, y, z = (before * each for each in self._palm(side, time))
         out = 1.0 if side == 0 else -1.0
         wrist = (x + 0.02 * out, y + 0.09, z)
         limbs = [
             Limb((x, y - 0.012, z), 0.058, (x, y + 0.045, z), 0.048),
-            Limb(wrist, 0.03, (x + 0.14 * out, y + 0.55, z + 0.15), 0.05),
+            Limb(wrist, 0.03, (x + 0.3 * out, y + 1.5, z + 0.1), 0.08),
         ]
         for finger in range(4):
             along = -0.045 + 0.03 * finger
@@ -141,11 +143,11 @@ def juggling(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
     """Balls that jugglers throw from hand to hand, up to five each, beside each other."""
     random = np.random.default_rng(seed)
     persons = math.ceil(balls / EACH)
-    depth = 1.9 if persons < 3 else 0.72 * persons
+    depth = 1.9 if persons < 3 else 0.75 * persons
     jugglers = []
     for person in range(persons):
         own = balls // persons + (person < balls % persons)
-        x = (person - (persons - 1) / 2.0) * (1.2 if persons < 3 else 0.98) + 0.03 * random.standard_normal()
+        x = (person - (persons - 1) / 2.0) * (1.2 if persons < 3 else 1.06) + 0.03 * random.standard_normal()
         jugglers.append(Juggler(own, (x, depth + 0.05 * random.standard_normal()), seconds, random))
     paths = [path for each in jugglers for path in each.paths()]
     hands = [hand for each in jugglers for hand in each.hands()]
@@ -153,7 +155,7 @@ def juggling(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
 
 
 def _swung(begin: Point, end: Point, share: float, dip: float) -> Point:
-    """A place between two, down an arc that begins and ends slowly."""
+    """Go from one place to another, down an arc that begins and ends slowly."""
     eased = share * share * (3.0 - 2.0 * share)
     x, y, z = (a + eased * (b - a) for a, b in zip(begin, end, strict=True))
     return x, y + dip * math.sin(math.pi * share), z

@@ -11,10 +11,11 @@ from benchmarks.crowds.juggling import juggling
 from matchset.sim.clips.multi_ball_clip import PositionFunction
 
 STEPS = 240  # a second, in which paths with collisions are computed
+FINER = 4  # steps of billiards in each of those
 DEPTH = 3.2  # m, of a swarm's middle
 HALF = np.array((CAMERA.width / CAMERA.fx, CAMERA.height / CAMERA.fy)) / 2.0  # of the picture, at 1 m
 PULL = 3.0  # rad/s, of the spring between a ball of a swarm and its aim
-PUSH = 900.0  # 1/s^2, between balls of a swarm that would touch
+PUSH = 6000.0  # 1/s^2, between balls of a swarm that would touch
 EVERY = 2.0  # s, between crossings
 
 
@@ -27,9 +28,9 @@ def billiards(balls: int, seconds: float, seed: int, preset: str = "typical") ->
     speeds = random.normal(0.0, 0.9, (balls, 2))
     courses = np.empty((round(seconds * STEPS) + STEPS, balls, 3))
     courses[:, :, 2] = depth
-    for step in range(len(courses)):
-        courses[step, :, :2] = places
-        places = places + speeds / STEPS
+    for step in range(FINER * len(courses)):
+        courses[step // FINER, :, :2] = places
+        places = places + speeds / (FINER * STEPS)
         outside = (np.abs(places) > half) & (places * speeds > 0.0)
         speeds[outside] *= -1.0
         for one, other in _touching(places):
@@ -47,8 +48,8 @@ def swarm(balls: int, seconds: float, seed: int, preset: str = "typical") -> Cro
     Each is drawn to an aim of its own, a sum of three waves along each axis, and pushed from others before they touch.
     """
     random = np.random.default_rng(seed)
-    rates, phases = random.uniform(0.08, 0.35, (balls, 3, 3)), random.uniform(0.0, 2 * math.pi, (balls, 3, 3))
-    sizes = np.array((0.8, 0.4, 0.6)) * random.uniform(0.5, 1.0, (balls, 3, 3))  # m; three waves, axes x, y, z
+    rates, phases = random.uniform(0.06, 0.28, (balls, 3, 3)), random.uniform(0.0, 2 * math.pi, (balls, 3, 3))
+    sizes = np.array((1.0, 0.65, 0.6)) * random.uniform(0.5, 1.0, (balls, 3, 3))  # m; three waves, axes x, y, z
     courses = np.empty((round(seconds * STEPS) + STEPS, balls, 3))
     places, speeds = np.zeros((balls, 3)), np.zeros((balls, 3))
     for step in range(-3 * STEPS, len(courses)):
@@ -77,32 +78,36 @@ def crossing(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
         If so many cannot cross without touching.
     """
     random = np.random.default_rng(seed)
-    for _ in range(200):
-        paths = _lines(balls, random)
-        courses = np.array([[path(time / 120.0) for path in paths] for time in range(round(2.0 * EVERY * 120))])
-        between = np.linalg.norm(courses[:, :, np.newaxis] - courses[:, np.newaxis], axis=3)
-        if balls < 2 or between[:, *np.triu_indices(balls, 1)].min() > 2.0 * RADIUS:
-            return Crowd(paths, round(seconds * FPS), seed, preset)
-    raise ValueError(f"{balls} balls cannot cross without touching")
-
-
-def _lines(balls: int, random: np.random.Generator) -> list[PositionFunction]:
-    """Paths to and fro; of two that follow each other in depth, directions are far apart, and times, too."""
-    order = [int(each) for pair in itertools.zip_longest(range(0, (balls + 1) // 2), range((balls + 1) // 2, balls))
-             for each in pair if each is not None]
-    turn = random.uniform(0.0, math.pi)
+    turn, times = random.uniform(0.0, math.pi), np.arange(0.0, 2.0 * EVERY, 1.0 / 120.0)
+    lines = _far_apart(balls)
     paths: list[PositionFunction] = []
-    for rank, line in enumerate(order):
+    courses: list[Floats] = []
+    for _ in range(100 * balls):
+        rank = len(paths)
+        if rank == balls:
+            break
         depth = max(3.2 - 0.08 * (balls - 1), 2.2) + 0.17 * rank
-        angle = turn + math.pi * (line + random.uniform(-0.2, 0.2)) / balls
+        angle = turn + math.pi * (lines[rank] + random.uniform(-0.2, 0.2)) / balls
         late = (0.1 if rank % 2 else -0.1) + 0.03 * random.standard_normal()
-        beside = 0.1 * random.standard_normal()
-        paths.append(_swing(depth, angle, late, beside, float(random.integers(2))))
-    return [paths[at] for at in random.permutation(balls)]
+        path = _swing(depth, angle, late, 0.1 * random.standard_normal(), lines[rank] % 2)
+        course = np.array([path(time) for time in times])
+        if all(np.linalg.norm(course - other, axis=1).min() > 2.0 * RADIUS for other in courses):
+            paths.append(path)
+            courses.append(course)
+    if len(paths) < balls:
+        raise ValueError(f"{balls} balls cannot cross without touching")
+    return Crowd([paths[at] for at in random.permutation(balls)], round(seconds * FPS), seed, preset)
 
 
-def _swing(depth: float, angle: float, late: float, beside: float, end: float) -> PositionFunction:
-    """A swing through the middle of the picture that begins at one end of its line."""
+def _far_apart(balls: int) -> list[int]:
+    """Order of lines through one point in which lines that follow each other are far from parallel."""
+    half = (balls + 1) // 2
+    pairs = itertools.zip_longest(range(half), range(half, balls))
+    return [each for pair in pairs for each in pair if each is not None]
+
+
+def _swing(depth: float, angle: float, late: float, beside: float, end: int) -> PositionFunction:
+    """Swing through the middle of the picture that begins at one end of its line."""
     far = 0.8 * float(HALF[1]) * depth
     along, across = np.array((math.cos(angle), math.sin(angle))), np.array((-math.sin(angle), math.cos(angle)))
 

@@ -42,7 +42,7 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     least: float = -30.0
     gate: float = 25.0
     touching: float = 0.9
-    clear: float = 10.0
+    clear: float = 5.0
     decide: int = 12
     new_log: float = 12.5
     new_px: float = 60.0

@@ -1,0 +1,160 @@
+"""A crowd that is followed, and what is detected in it, once for all: `Case`, `Watched`, `watched`."""
+
+import hashlib
+import math
+import os
+import time
+from functools import cache
+from pathlib import Path
+
+import msgspec
+
+import matchset as ms
+from benchmarks.crowds.crowd import Crowd, Seen
+from benchmarks.crowds.labelled import EQUAL, NAMES, LabelledClip
+from benchmarks.crowds.pair import SECONDS, hidden_pair
+from benchmarks.crowds.scenes import SCENES
+from benchmarks.crowds.score import Answer
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "build" / "crowds"
+PAIR = "pair"
+MOST = 20  # balls of a crowd
+EVERY = (*SCENES, PAIR, *NAMES)
+CLEAR = 0.95  # share of a ball that must be seen for a click on it
+DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
+"""Folders of the package that decide what is rendered and detected; following many balls at once is left out."""
+FOLLOWING = (*DETECTING, "localization")
+DECIDING = (".py", ".toml", ".npz")
+
+
+class Case(msgspec.Struct, frozen=True):
+    """A crowd to be followed.
+
+    Parameters
+    ----------
+    scene : str
+        One of `SCENES`, "pair", or a clip that was labelled.
+    balls : int
+    seconds : float
+    seed : int
+    """
+
+    scene: str
+    balls: int
+    seconds: float
+    seed: int
+
+    def __post_init__(self) -> None:
+        if self.scene not in EVERY:
+            raise ValueError(f"a scene is one of {', '.join(EVERY)}, got {self.scene!r}")
+        if not 1 <= self.balls <= MOST:
+            raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
+
+    def crowd(self) -> Crowd | LabelledClip:
+        """Make it; a pair and a clip have balls and a length of their own."""
+        if self.scene == PAIR:
+            return hidden_pair(self.seed)
+        if self.scene in NAMES:
+            return LabelledClip(self.scene)
+        return SCENES[self.scene](self.balls, self.seconds, self.seed)
+
+
+def cases(scenes: list[str], balls: list[int], seconds: float, seeds: tuple[int, ...]) -> list[Case]:
+    """List the crowds of some scenes, numbers of balls and seeds; a pair once for each seed, a clip once."""
+    listed = []
+    for scene in scenes:
+        if scene in NAMES:
+            listed.append(Case(scene, EQUAL, round(LabelledClip(scene).seconds, 2), 0))
+        elif scene == PAIR:
+            listed += [Case(PAIR, 2, SECONDS, seed) for seed in seeds]
+        else:
+            listed += [Case(scene, number, seconds, seed) for number in balls for seed in seeds]
+    return listed
+
+
+class Watched(msgspec.Struct, frozen=True):
+    """A crowd's truth and detections, frame by frame.
+
+    Parameters
+    ----------
+    truth : list of (list of (int, float, float, float, float) or None)
+        Identity, x, y, radius, px, and the share that is visible; None of a frame without labels.
+    found : list of list of (float, float, float, float)
+        x, y, radius, px, and support of each circle that `detect` finds.
+    seconds : list of float
+        What detecting took.
+    """
+
+    truth: list[list[tuple[int, float, float, float, float]] | None]
+    found: list[list[tuple[float, float, float, float]]]
+    seconds: list[float]
+
+    def judged(self, answers: list[list[Answer]]) -> tuple[list[list[Seen]], list[list[Answer]]]:
+        """Return the truth of every frame that has one, and the answers there."""
+        pairs = [(there, said) for there, said in zip(self.truth, answers, strict=True) if there is not None]
+        seen = [[Seen(name, ms.Circle(x, y, r), share) for name, x, y, r, share in there] for there, _ in pairs]
+        return seen, [said for _, said in pairs]
+
+
+def color_of(crowd: Crowd | LabelledClip) -> ms.ColorModel:
+    """Learn the balls' color by a click on the largest one of the first frame in which one is clear.
+
+    Raises
+    ------
+    ValueError
+        If none ever is.
+    """
+    for frame, seen in crowd:
+        clear = [each for each in seen or () if each.visible > CLEAR]
+        if clear:
+            circle = max(clear, key=lambda each: each.circle.radius).circle
+            return ms.ColorModel.pick(frame.image, circle.x, circle.y)
+    raise ValueError("no ball of this crowd is ever seen whole")
+
+
+def watched(case: Case) -> Watched:
+    """Return the truth and the detections of a crowd, from a file if it was watched before."""
+    name = f"{case.scene}_{case.balls}_{case.seconds:g}_{case.seed}_{checksum(DETECTING)}.json"
+    path = FOLDER / name
+    if path.exists():
+        return msgspec.json.decode(path.read_bytes(), type=Watched)
+    crowd = case.crowd()
+    color = color_of(crowd)
+    result = Watched([], [], [])
+    for frame, seen in crowd:
+        begin = time.perf_counter()
+        found = ms.detect(frame, ms.Circle, color, limit=2 * case.balls)
+        result.seconds.append(time.perf_counter() - begin)
+        result.found.append([(*_rounded(each.shape), round(each.support, 4)) for each in found])
+        result.truth.append(None if seen is None else [_noted(each) for each in seen])
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_suffix(f".{os.getpid()}")
+    unfinished.write_bytes(msgspec.json.encode(result))
+    unfinished.replace(path)
+    return result
+
+
+@cache
+def checksum(folders: tuple[str, ...]) -> str:
+    """Checksum of the scenes and of folders of the package; following many balls counts if localization does."""
+    total = hashlib.sha256()
+    package = Path(ms.__file__).parent
+    many = package / "tracking" / "many"
+    files = [path for folder in folders for path in sorted((package / folder).rglob("*")) if path.suffix in DECIDING]
+    here = Path(__file__).parent
+    files += [here / name for name in ("crowd.py", "scenes.py", "juggling.py", "pair.py", "labelled.py")]
+    for path in files:
+        if many not in path.parents or "localization" in folders:
+            total.update(path.name.encode() + b"\0" + path.read_bytes())
+    return total.hexdigest()[:12]
+
+
+def _noted(ball: Seen) -> tuple[int, float, float, float, float]:
+    return (ball.identity, *_rounded(ball.circle), round(ball.visible, 4))
+
+
+def _rounded(circle: ms.Circle) -> tuple[float, float, float]:
+    if not all(math.isfinite(each) for each in (circle.x, circle.y, circle.radius)):
+        raise ValueError(f"a circle must be finite, got {circle}")
+    return round(circle.x, 3), round(circle.y, 3), round(circle.radius, 3)

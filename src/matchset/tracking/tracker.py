@@ -111,6 +111,15 @@ class Tracker(Copied, Generic[S]):
         words = f"{self._family.__name__}, {self._fitter.points} points, {self.mode.name.lower()}"
         return f"Tracker({words}, {self._frames} frames)"
 
+    @property
+    def fields(self) -> tuple[float, float]:
+        """What is known of the time between the fields of the camera's pictures; another tracker of it may be told."""
+        return float(self._fitter.work.motion.offset_moment), float(self._fitter.work.motion.speed_moment)
+
+    @fields.setter
+    def fields(self, known: tuple[float, float]) -> None:
+        self._fitter.work.motion.offset_moment, self._fitter.work.motion.speed_moment = known
+
     def start(self, shape: S, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at this shape in the next frame, without a search.
 

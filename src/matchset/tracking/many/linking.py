@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted, likelihood
+from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.tracklet import Followed, Link, Tracklet
 from matchset.tracking.motion import Gate
@@ -115,20 +115,22 @@ class Linking:
 
     def go_on(self, seen: dict[Tracklet, Sighting], time: float) -> None:
         """Correct the filters of all links of tracklets by their new sightings, and weigh those in doubt."""
-        slots, places, variances = list[int](), list[Gate](), list[float]()
+        slots, sightings = list[int](), list[Sighting]()
         doubted = any(not tracklet.is_certain for tracklet in seen)
-        predicted = self.bank.predict(time) if doubted else None
+        predicted = Predicted(self.bank, time) if doubted else None
         for tracklet, sighting in seen.items():
             tracklet.sighting = sighting
             for link in tracklet.links.values():
                 if predicted is not None and not tracklet.is_certain:
-                    explained = likelihood(predicted, link.slot, sighting.place, sighting.variance)
+                    explained = predicted.likelihood(link.slot, sighting.place, sighting.variance)
                     link.score += max(explained.log, self.limits.least)
                 slots.append(link.slot)
-                places.append(sighting.place)
-                variances.append(sighting.variance)
+                sightings.append(sighting)
             tracklet.doubted += not tracklet.is_certain
-        self.bank.correct(slots, places, variances, time)
+        if doubted or len(seen) < len(self.targets):
+            self.bank.correct(slots, sightings, time)
+        else:
+            self.bank.note(slots, sightings, time)
 
     def begin(self, fresh: Sequence[Sighting], predicted: Predicted, time: float) -> list[Tracklet]:
         """Begin tracklets with what nobody follows yet: each is of a target that is not seen for certain, or new."""
@@ -138,7 +140,7 @@ class Linking:
             for each in self.targets:
                 if each.tracklet is not None and each.tracklet.is_certain:
                     continue
-                explained = likelihood(predicted, each.slot, sighting.place, sighting.variance)
+                explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
                 if explained.squared < self.limits.gate:
                     tracklet.links[each] = Link(self._slot_after(each, sighting, explained.halted, time), explained.log)
             if len(self.targets) + len(begun) < self.most:
@@ -159,7 +161,7 @@ class Linking:
         if halted:
             return self.bank.begin(sighting.place, time)
         slot = self.bank.copied(each.slot)
-        self.bank.correct([slot], [sighting.place], [sighting.variance], time)
+        self.bank.correct([slot], [sighting], time)
         return slot
 
     def decide(self, time: float) -> None:

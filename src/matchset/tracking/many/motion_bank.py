@@ -1,5 +1,7 @@
 """How several targets move: Kalman filters of constant velocity and of free flight, all at once (`MotionBank`)."""
 
+import functools
+import heapq
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,6 +10,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
@@ -15,6 +18,7 @@ Indices = npt.NDArray[np.intp]
 
 STEADY, BALLISTIC, HALTED = range(3)  # format: models of motion; the last has no filter of its own
 ORDERS = 3  # format: position, velocity and acceleration of each axis
+IDENTITY = np.eye(ORDERS)  # format: of the transition
 TINY = 1e-9  # format: a probability of nearly nothing, whose logarithm is a number
 
 
@@ -46,6 +50,8 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         How far one at rest moves meanwhile, half-widths per root of s.
     size_sigma, size_rate : float
         Standard deviation of ln(half-width) of a sighting, and of its change, 1/s.
+    calm_period : int
+        Of so many frames in which all targets are seen for certain, the filters are corrected by one.
     size_gain : float
         Share of a new ln(half-width) that is taken over.
     """
@@ -63,6 +69,7 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     drift: float = 3.0
     size_sigma: float = 0.06
     size_rate: float = 0.5
+    calm_period: int = 3
     size_gain: float = 0.3
 
     @property
@@ -71,7 +78,7 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         return self.center_sigma_px, self.center_sigma
 
 
-class Predicted(NamedTuple):
+class Tables(NamedTuple):
     """Where targets are expected, slot by slot.
 
     Attributes
@@ -93,11 +100,74 @@ class Predicted(NamedTuple):
     half_widths: Floats
     size_variances: Floats
 
+
+class Likelihood(NamedTuple):
+    """How well a sighting is explained as the target of a slot.
+
+    Attributes
+    ----------
+    log : float
+        Log-likelihood of center, px, and ln(half-width), by all models of motion.
+    squared : float
+        Squared distance, in standard deviations, the larger one of the center by the nearest model and of the size.
+    halted : bool
+        Whether that it has halted explains it best.
+    """
+
+    log: float
+    squared: float
+    halted: bool
+
+
+class Predicted:
+    """Where targets are expected in a frame, worked out when it is asked for first, before anything is corrected.
+
+    Parameters
+    ----------
+    bank : MotionBank
+    time : float
+        Of the frame, s.
+    """
+
+    def __init__(self, bank: "MotionBank", time: float) -> None:
+        self._bank, self._time = bank, time
+
+    @functools.cached_property
+    def _tables(self) -> Tables:
+        return self._bank.tables(self._time)
+
+    def half_width(self, slot: int) -> float:
+        """Return the half-width of a slot, px."""
+        return self._bank.half_width(slot)
+
     def likeliest(self, slot: int) -> tuple[Gate, tuple[float, float]]:
         """Place and velocity of a slot by its likeliest model; px, px/s."""
-        model = int(self.log_weights[slot].argmax())
-        (x, y), (vx, vy) = self.centers[slot, model].tolist(), self.velocities[slot, model].tolist()
-        return Gate(x, y, float(self.half_widths[slot])), (vx, vy)
+        tables = self._tables
+        model = int(tables.log_weights[slot].argmax())
+        (x, y), (vx, vy) = tables.centers[slot, model].tolist(), tables.velocities[slot, model].tolist()
+        return Gate(x, y, float(tables.half_widths[slot])), (vx, vy)
+
+    def halted(self, slot: int) -> Gate:
+        """Place of a slot if it has halted, px."""
+        x, y = self._tables.centers[slot, HALTED].tolist()
+        return Gate(x, y, float(self._tables.half_widths[slot]))
+
+    def likelihood(self, slot: int, place: Gate, variance: float) -> Likelihood:
+        """Say how well a sighting with a variance of its center, px^2, is explained as the target of a slot."""
+        tables = self._tables
+        terms, squared = list[float](), math.inf
+        centers, variances, weights = (
+            each[slot].tolist() for each in (tables.centers, tables.variances, tables.log_weights)
+        )
+        for (x, y), of_center, weight in zip(centers, variances, weights, strict=True):
+            total = of_center + variance
+            distance = ((place.x - x) ** 2 + (place.y - y) ** 2) / total
+            squared = min(squared, distance)
+            terms.append(weight - 0.5 * distance - math.log(total))
+        most, of_size = max(terms), float(tables.size_variances[slot])
+        change = math.log(place.half_width / float(tables.half_widths[slot])) ** 2 / of_size
+        log = most + math.log(sum(math.exp(term - most) for term in terms)) - 0.5 * change - 0.5 * math.log(of_size)
+        return Likelihood(log, max(squared, change), terms[HALTED] == most)
 
 
 class MotionBank:
@@ -116,7 +186,9 @@ class MotionBank:
         self._covariance = np.tile(np.eye(ORDERS), (slots, 2, 1, 1))
         self._scores = np.zeros((slots, 2))
         self._size, self._sightings, self._time = np.zeros(slots), np.zeros(slots), np.zeros(slots)
-        self._free = list(range(slots))[::-1]
+        self._free = list(range(slots))  # a heap: the first slots are used, and only these are predicted
+        self._used = self._notes = 0
+        self._noted: tuple[Sequence[int], Sequence[Sighting], float] | None = None
 
     def begin(self, place: Gate, time: float) -> int:
         """Begin at a place of which nothing else is known, at a time, s; return the slot."""
@@ -140,54 +212,64 @@ class MotionBank:
 
     def free(self, slot: int) -> None:
         """Take a slot back."""
-        self._free.append(slot)
+        heapq.heappush(self._free, slot)
 
     def _take(self) -> int:
+        self._catch_up()
         if not self._free:
             slots = len(self._size)
             for name in ("_state", "_covariance", "_scores", "_size", "_sightings", "_time"):
                 setattr(self, name, np.concatenate((getattr(self, name), getattr(self, name))))
-            self._free = list(range(slots, 2 * slots))[::-1]
-        return self._free.pop()
+            self._free = list(range(slots, 2 * slots))
+        slot = heapq.heappop(self._free)
+        self._used = max(self._used, slot + 1)
+        return slot
 
-    def predict(self, time: float) -> Predicted:
-        """Predict all slots at a time, s."""
-        states, covariances = self._ahead(slice(None), time)
-        odds = np.exp(self._scores - self._scores.max(axis=1, keepdims=True))
+    def half_width(self, slot: int) -> float:
+        """Return the half-width of a slot, px."""
+        return math.exp(self._size.item(slot))
+
+    def tables(self, time: float) -> Tables:
+        """Predict all slots that were ever used at a time, s."""
+        self._catch_up()
+        used = slice(self._used)
+        states, covariances = self._ahead(used, time)
+        odds = np.exp(self._scores[used] - self._scores[used].max(axis=1, keepdims=True))
         shares = np.maximum(odds / odds.sum(axis=1, keepdims=True), self.limits.changes)
-        shares[self._sightings < self.limits.steady_first] = 1.0, TINY
-        weights = np.log(shares)
-        gone, half_widths = np.maximum(time - self._time, 0.0), np.exp(self._size)
+        shares[self._sightings[used] < self.limits.steady_first] = 1.0, TINY
+        gone, half_widths = np.maximum(time - self._time[used], 0.0), np.exp(self._size[used])
         halted = -np.expm1(-gone / self.limits.halts_within)  # how likely it has come to rest, or was caught, meanwhile
-        halted = np.clip(halted, TINY, 1.0 - TINY)
-        weights = np.concatenate((weights + np.log1p(-halted)[:, None], np.log(halted)[:, None]), axis=1)
-        sizes = self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2
-        drift = self._covariance[:, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
-        last = self._state[:, STEADY, 0]
-        return Predicted(
+        halted = np.clip(halted, TINY, 1.0 - TINY)[:, None]
+        last = self._state[used, STEADY, 0]
+        drift = self._covariance[used, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
+        return Tables(
             np.concatenate((states[:, :, 0], last[:, None]), axis=1),
             np.concatenate((states[:, :, 1], np.zeros_like(last)[:, None]), axis=1),
             np.concatenate((covariances[:, :, 0, 0], drift[:, None]), axis=1),
-            weights,
+            np.log(np.concatenate((shares * (1.0 - halted), halted), axis=1)),
             half_widths,
-            sizes,
+            self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2,
         )
 
-    def correct(self, slots: Sequence[int], places: Sequence[Gate], variances: Sequence[float], time: float) -> None:
-        """Correct slots by sightings.
+    def note(self, slots: Sequence[int], sightings: Sequence[Sighting], time: float) -> None:
+        """Correct slots by sightings, as `correct`, of which some may be left out as long as nothing is predicted."""
+        self._noted, self._notes = (slots, sightings, time), self._notes + 1
+        if self._notes >= self.limits.calm_period:
+            self._catch_up()
 
-        Parameters
-        ----------
-        slots : sequence of int
-        places : sequence of Gate
-            One for each slot.
-        variances : sequence of float
-            Of each coordinate of a center, px^2.
-        time : float
-            s
-        """
+    def _catch_up(self) -> None:
+        """Correct by the sightings noted last."""
+        noted, self._noted, self._notes = self._noted, None, 0
+        if noted is not None:
+            self.correct(*noted)
+
+    def correct(self, slots: Sequence[int], sightings: Sequence[Sighting], time: float) -> None:
+        """Correct slots by sightings, one for each, at a time, s."""
+        if self._noted is not None:
+            self._catch_up()
         if not slots:
             return
+        places, variances = [each.place for each in sightings], [each.variance for each in sightings]
         at, seen = np.array(slots), np.array(places)
         states, covariances = self._ahead(at, time)
         total = covariances[:, :, 0, 0] + np.array(variances)[:, None]
@@ -202,54 +284,16 @@ class MotionBank:
         self._time[at] = time
 
     def _ahead(self, at: Indices | slice, time: float) -> tuple[Floats, Floats]:
-        """States and covariances of slots at a time, s."""
-        ahead = np.maximum(time - self._time[at], 0.0)
-        transition = np.zeros((len(ahead), 2, ORDERS, ORDERS))
-        transition[:, :, range(ORDERS), range(ORDERS)] = 1.0
+        """States and covariances of slots at a time, s: ``F x`` and ``F P F^T + Q``, written out."""
+        limits, ahead = self.limits, np.maximum(time - self._time[at], 0.0)
+        size, half, sixth = np.exp(self._size[at]), 0.5 * ahead * ahead, ahead**3 / 6.0
+        transition, noise = np.empty((len(ahead), 2, ORDERS, ORDERS)), np.zeros((len(ahead), 2, ORDERS))
+        transition[:] = IDENTITY
         transition[:, :, 0, 1] = ahead[:, None]
-        transition[:, BALLISTIC, 0, 2] = 0.5 * ahead**2
-        transition[:, BALLISTIC, 1, 2] = ahead
-        states = transition @ self._state[at]
-        noise, sizes = np.zeros((len(ahead), 2, ORDERS)), np.exp(self._size[at])
-        noise[:, STEADY, 0], noise[:, STEADY, 1] = 0.5 * ahead**2, ahead
-        noise[:, STEADY] *= (self.limits.acceleration * sizes)[:, None]
-        noise[:, BALLISTIC, 0], noise[:, BALLISTIC, 1], noise[:, BALLISTIC, 2] = ahead**3 / 6, ahead**2 / 2, ahead
-        noise[:, BALLISTIC] *= (self.limits.jerk * sizes)[:, None]
+        transition[:, BALLISTIC, 0, 2], transition[:, BALLISTIC, 1, 2] = half, ahead
+        noise[:, STEADY, 0], noise[:, STEADY, 1] = limits.acceleration * size * half, limits.acceleration * size * ahead
+        jerk = limits.jerk * size
+        noise[:, BALLISTIC, 0], noise[:, BALLISTIC, 1], noise[:, BALLISTIC, 2] = jerk * sixth, jerk * half, jerk * ahead
         covariances = transition @ self._covariance[at] @ transition.swapaxes(2, 3)
         covariances += noise[:, :, :, None] * noise[:, :, None, :]
-        return states, covariances
-
-
-class Likelihood(NamedTuple):
-    """How well a sighting is explained as the target of a slot.
-
-    Attributes
-    ----------
-    log : float
-        Log-likelihood of center, px, and ln(half-width), by all models of motion.
-    squared : float
-        Squared distance, in standard deviations, the larger one of the center by the nearest model and of the size.
-    halted : bool
-        Whether that it has halted explains it best.
-    """
-
-    log: float
-    squared: float
-    halted: bool
-
-
-def likelihood(predicted: Predicted, slot: int, place: Gate, variance: float) -> Likelihood:
-    """Say how well a sighting with a variance of its center, px^2, is explained as the target of a slot."""
-    terms, squared = list[float](), math.inf
-    centers, variances, weights = (
-        each[slot].tolist() for each in (predicted.centers, predicted.variances, predicted.log_weights)
-    )
-    for (x, y), of_center, weight in zip(centers, variances, weights, strict=True):
-        total = of_center + variance
-        distance = ((place.x - x) ** 2 + (place.y - y) ** 2) / total
-        squared = min(squared, distance)
-        terms.append(weight - 0.5 * distance - math.log(total))
-    most, of_size = max(terms), float(predicted.size_variances[slot])
-    change = math.log(place.half_width / float(predicted.half_widths[slot])) ** 2 / of_size
-    log = most + math.log(sum(math.exp(term - most) for term in terms)) - 0.5 * change - 0.5 * math.log(of_size)
-    return Likelihood(log, max(squared, change), terms[HALTED] == most)
+        return transition @ self._state[at], covariances

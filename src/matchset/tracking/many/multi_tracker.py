@@ -58,7 +58,7 @@ class MultiTracker(Copied):
         frame = self._checked(frame)
         linking, observer = self._linking, self._observer
         linking.forget(frame.time, self.parameters.memory)
-        predicted = linking.bank.predict(frame.time)
+        predicted = Predicted(linking.bank, frame.time)
         seen = observer.observe(frame, predicted, linking.tracklets, linking.hidden(), self._passed)
         lost = linking.end(seen.ended, frame.time)
         linking.doubt(lost, seen.continued, predicted)

@@ -8,10 +8,10 @@ import numpy as np
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
-from matchset.tracking.many.motion_bank import HALTED, Predicted
+from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.sightings import Sighting, are_fields, of_both, sighting_of
-from matchset.tracking.many.strip_search import StripSearch
+from matchset.tracking.many.strip_search import STRIPS, StripSearch
 from matchset.tracking.many.tracklet import Followed, Tracklet, start
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
@@ -55,7 +55,8 @@ class Observer:
             label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
         }
         self._spare: dict[str, list[Tracker[Any]]] = {label: [] for label in colors}
-        self._frames = 0
+        self._frames = self._turn = 0
+        self._labels = list(colors)
         self._fields = 0.0, 0.0
 
     def tracker(self, label: str) -> Tracker[Any]:
@@ -91,55 +92,63 @@ class Observer:
         return Observed(continued, ended, fresh)
 
     def _share_fields(self, tracklets: Sequence[Tracklet]) -> None:
-        """Let all trackers know what the fastest target has told about the fields of the camera's pictures."""
-        trackers = [each.tracker for each in tracklets if each.tracker is not None]
-        works = [each._fitter.work.motion for each in trackers]
-        best = max(works, key=lambda motion: float(motion.speed_moment), default=None)
-        if best is not None and best.speed_moment > self._fields[1]:
-            self._fields = float(best.offset_moment), float(best.speed_moment)
-        for motion in works:
-            if motion.speed_moment < self._fields[1]:
-                motion.offset_moment, motion.speed_moment = self._fields
+        """Ask the trackers by turns what they know of the fields of the camera's pictures, for new ones."""
+        period = self._limits.fields_period
+        if tracklets and self._frames % period == 0:
+            tracker = tracklets[self._frames // period % len(tracklets)].tracker
+            if tracker is not None:
+                self._fields = max(self._fields, tracker.fields, key=lambda known: known[1])
 
     def _follow(
         self, frame: Frame, predicted: Predicted, followed: tuple[Sequence[Tracklet], Sequence[Followed]], passed: float
     ) -> tuple[dict[Tracklet, Sighting], list[Tracklet]]:
         """Continue the tracklets; of two that see one outline the one with most support."""
         tracklets, hidden = followed
-        seen, ended = dict[Tracklet, Sighting](), list[Tracklet]()
+        seen, ended, sigmas = dict[Tracklet, Sighting](), list[Tracklet](), self._limits.motion.center_sigmas
         for each in tracklets:
             if each.tracker is None:
                 each.tracker = self.tracker(each.label)
                 each.restarts = self._limits.restarts
-                motion = each.tracker._fitter.work.motion
-                motion.offset_moment, motion.speed_moment = self._fields
+                each.tracker.fields = self._fields
             if each.restarts > 0:
                 each.restarts -= 1
                 each.start(predicted, passed)
             answer = each.tracker.update(frame)
             if isinstance(answer, Track):
-                seen[each] = sighting_of(answer, self._limits.motion.center_sigmas, each.label)
+                seen[each] = sighting_of(answer, sigmas, each.label)
             else:
                 ended.append(each)
         for each in [each for each in seen if self._is_mixed(each, seen, hidden, predicted)]:
             ended.append(each)
             del seen[each]
-        continued = dict[Tracklet, Sighting]()
-        for each in sorted(seen, key=lambda tracklet: -seen[tracklet].track.support):
-            twin = next((other for other in continued if self._same(frame, continued[other], seen[each])), None)
-            if twin is None:
-                continued[each] = seen[each]
-            else:
-                continued[twin] = self._both(frame, continued[twin], seen[each])
-                ended.append(each)
-        return continued, ended
+        return self._distinct(frame, seen, ended), ended
+
+    def _distinct(
+        self, frame: Frame, seen: dict[Tracklet, Sighting], ended: list[Tracklet]
+    ) -> dict[Tracklet, Sighting]:
+        """Of tracklets that see one outline keep the one with most support, and end the others."""
+        reach = self._limits.merge.field_distance
+        if not near_pairs([sighting.place for sighting in seen.values()], reach):
+            return seen
+        ordered = sorted(seen, key=lambda tracklet: -seen[tracklet].track.support)
+        near = near_pairs([seen[each].place for each in ordered], reach)
+        merged = set[int]()
+        for first, second in near:
+            if first in merged or second in merged:
+                continue
+            one, other = seen[ordered[first]], seen[ordered[second]]
+            if self._same(frame, one, other):
+                seen[ordered[first]] = self._both(frame, one, other)
+                ended.append(ordered[second])
+                merged.add(second)
+        return {each: seen[each] for k, each in enumerate(ordered) if k not in merged}
 
     def _is_mixed(
         self, each: Tracklet, seen: Mapping[Tracklet, Sighting], hidden: Sequence[Followed], predicted: Predicted
     ) -> bool:
         """Whether the outline is that of two targets that touch: far larger or smaller than expected."""
         owner = each.owner()
-        place, usual = seen[each].place, float(predicted.half_widths[each.links[owner].slot])
+        place, usual = seen[each].place, predicted.half_width(each.links[owner].slot)
         if abs(math.log(place.half_width / usual)) < self._limits.merge.mixed_log_size:
             return False
         others = [sighting.place for other, sighting in seen.items() if other is not each]
@@ -190,17 +199,14 @@ class Observer:
         for each in hidden:
             place, velocity = predicted.likeliest(each.slot)
             if self._frames % self._limits.halted_period == 0 and frame.time - each.seen > self._limits.halted_after:
-                x, y = predicted.centers[each.slot, HALTED].tolist()
-                place, velocity = place._replace(x=x, y=y), (0.0, 0.0)
+                place, velocity = predicted.halted(each.slot), (0.0, 0.0)
             inside = -place.half_width < place.x < width + place.half_width
             inside = inside and -place.half_width < place.y < height + place.half_width
             if not inside or frame.time - each.seen > self._limits.expected or self._is_covered(place, known):
                 continue
             tracker = each.probe = each.probe or self.tracker(each.label)
             since = passed if each.probed is None else min(frame.time - each.probed, 1.0)
-            motion = tracker._fitter.work.motion
-            if motion.speed_moment < self._fields[1]:
-                motion.offset_moment, motion.speed_moment = self._fields
+            tracker.fields = self._fields
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
             answer = tracker.update(frame)
@@ -221,9 +227,11 @@ class Observer:
     ) -> list[Sighting]:
         """Search a strip for what nobody follows, and a quarter of the image around one that is hidden."""
         places, sigmas = [each.place for each in known], self._limits.motion.center_sigmas
-        labels = list(self._colors)
-        label = labels[self._frames % len(labels)]
-        found = [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
+        found = list[Sighting]()
+        if hidden or self._frames % self._limits.search_period == 0 or self._frames < STRIPS * len(self._colors):
+            label = self._labels[self._turn]
+            self._turn = (self._turn + 1) % len(self._labels)
+            found += [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
         if hidden:
             sought = min(hidden, key=lambda each: (each.identity is not None, each.sought, -each.seen))
             sought.sought = frame.time
@@ -232,6 +240,22 @@ class Observer:
             tracks = self._searches[sought.label].near(frame, place, places)
             found += [sighting_of(track, sigmas, sought.label)._replace(sure=False) for track in tracks]
         return found
+
+
+def near_pairs(places: Sequence[Gate], distance: float) -> list[tuple[int, int]]:
+    """Pairs of places nearer to each other than a distance, in half-widths of the larger, in their order."""
+    order = sorted(range(len(places)), key=lambda k: places[k].x)
+    reach = distance * max((place.half_width for place in places), default=0.0)
+    pairs = []
+    for at, first in enumerate(order):
+        x, y, size = places[first]
+        for second in order[at + 1 :]:
+            other = places[second]
+            if other.x - x > reach:
+                break
+            if abs(other.y - y) < reach and math.hypot(other.x - x, other.y - y) < distance * max(size, other[2]):
+                pairs.append((min(first, second), max(first, second)))
+    return sorted(pairs)
 
 
 def _apart(one: Gate, other: Gate) -> tuple[float, float]:

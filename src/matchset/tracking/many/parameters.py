@@ -27,6 +27,10 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     expected : float
         How long a target that is not seen is tracked from where its motion would have it, s; later only searches can
         find it.
+    search_period : int
+        Of so many frames in which all targets are seen, a strip is searched for new ones in one.
+    fields_period : int
+        Of so many frames, in one a tracker is asked what it knows of the fields of interlaced pictures.
     restarts : int
         Frames in which a new tracklet's tracker begins where the filters expect it, whose velocity is better than its own.
     min_visible : float
@@ -47,6 +51,8 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     memory: float = 2.0
     confirm: int = 2
     expected: float = 0.6
+    search_period: int = 3
+    fields_period: int = 8
     restarts: int = 3
     min_visible: float = 0.3
     halted_period: int = 3

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 
+from matchset.shapes.circle import Circle
 from matchset.tracking.motion import Gate, gate_of
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
@@ -78,8 +79,11 @@ def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> S
         Standard deviation of its center beside its own covariance: px, and in half-widths.
     label : str
     """
-    place = gate_of(type(track.shape), track.shape.state)
-    known = max(float(track.covariance[0, 0] + track.covariance[1, 1]) / 2.0, 0.0)
+    shape = track.shape
+    place = (
+        Gate(shape.x, shape.y, shape.radius) if type(shape) is Circle else gate_of(type(shape), shape.state)
+    )  # without an array it takes a fifth of the time
+    known = max((track.covariance.item(0, 0) + track.covariance.item(1, 1)) / 2.0, 0.0)
     sigma = (sigmas[0] + sigmas[1] * place.half_width) / max(track.support, LEAST)
     return Sighting(track, place, min(known, place.half_width**2) + sigma**2, label)
 

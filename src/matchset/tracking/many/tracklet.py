@@ -101,6 +101,8 @@ class Tracklet:
 
     def owner(self) -> Followed:
         """Return the target whose it is most likely."""
+        if self.is_certain:
+            return next(iter(self.links))
         return max(self.links, key=lambda each: self.links[each].score)
 
     def start(self, predicted: Predicted, passed: float) -> None:

@@ -3,6 +3,7 @@
 import math
 from typing import Generic, TypeVar
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -119,6 +120,17 @@ class Tracker(Copied, Generic[S]):
     @fields.setter
     def fields(self, known: tuple[float, float]) -> None:
         self._fitter.work.motion.offset_moment, self._fitter.work.motion.speed_moment = known
+
+    @property
+    def asks_network(self) -> bool:
+        """Whether the network of discs is asked; it knows single balls, and may be wrong where several touch."""
+        return self._step.outlines.network.limits.used
+
+    @asks_network.setter
+    def asks_network(self, asks: bool) -> None:
+        network = self._step.outlines.network
+        if network.limits.used != asks:
+            network.limits = msgspec.structs.replace(network.limits, used=asks)
 
     def start(self, shape: S, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at this shape in the next frame, without a search.

@@ -104,6 +104,7 @@ class Observer:
     ) -> tuple[dict[Tracklet, Sighting], list[Tracklet]]:
         """Continue the tracklets; of two that see one outline the one with most support."""
         tracklets, hidden = followed
+        crowded = self._crowded(predicted, tracklets, hidden)
         seen, ended, sigmas = dict[Tracklet, Sighting](), list[Tracklet](), self._limits.motion.center_sigmas
         for each in tracklets:
             if each.tracker is None:
@@ -113,6 +114,7 @@ class Observer:
             if each.restarts > 0:
                 each.restarts -= 1
                 each.start(predicted, passed)
+            each.tracker.asks_network = each not in crowded
             answer = each.tracker.update(frame)
             if isinstance(answer, Track):
                 seen[each] = sighting_of(answer, sigmas, each.label)
@@ -122,6 +124,15 @@ class Observer:
             ended.append(each)
             del seen[each]
         return self._distinct(frame, seen, ended), ended
+
+    def _crowded(
+        self, predicted: Predicted, tracklets: Sequence[Tracklet], hidden: Sequence[Followed]
+    ) -> set[Tracklet]:
+        """Tracklets next to others, or to where hidden targets may be: the network of discs knows single balls only."""
+        places = [each.sighting.place for each in tracklets]
+        places += [predicted.likeliest(each.slot)[0] for each in hidden]
+        near = near_pairs(places, self._limits.crowded)
+        return {tracklets[k] for pair in near for k in pair if k < len(tracklets)}
 
     def _distinct(
         self, frame: Frame, seen: dict[Tracklet, Sighting], ended: list[Tracklet]
@@ -209,6 +220,10 @@ class Observer:
             tracker.fields = self._fields
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
+            tracker.asks_network = not any(
+                place.distance(other.place) < self._limits.crowded * max(place.half_width, other.place.half_width)
+                for other in known
+            )
             answer = tracker.update(frame)
             if isinstance(answer, Track):
                 sighting = sighting_of(answer, self._limits.motion.center_sigmas, each.label)

@@ -207,7 +207,8 @@ class Observer:
         hidden, known = around
         height, width = frame.image.shape[:2]
         found = list[Sighting]()
-        for each in hidden:
+        probes = 0
+        for each in sorted(hidden, key=lambda each: (each.probed or -math.inf, -each.seen)):
             place, velocity = predicted.likeliest(each.slot)
             if self._frames % self._limits.halted_period == 0 and frame.time - each.seen > self._limits.halted_after:
                 place, velocity = predicted.halted(each.slot), (0.0, 0.0)
@@ -215,6 +216,9 @@ class Observer:
             inside = inside and -place.half_width < place.y < height + place.half_width
             if not inside or frame.time - each.seen > self._limits.expected or self._is_covered(place, known):
                 continue
+            if probes == self._limits.probes:
+                break
+            probes += 1
             tracker = each.probe = each.probe or self.tracker(each.label)
             since = passed if each.probed is None else min(frame.time - each.probed, 1.0)
             tracker.fields = self._fields

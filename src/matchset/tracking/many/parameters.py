@@ -33,6 +33,8 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
         Of so many frames, in one a tracker is asked what it knows of the fields of interlaced pictures.
     crowded : float
         Distance of a target from others, in half-widths of the larger, from which the network of discs is asked.
+    probes : int
+        How many hidden targets are looked for in a frame, those first that were not for longest.
     restarts : int
         Frames in which a new tracklet's tracker begins where the filters expect it, whose velocity is better than its own.
     min_visible : float
@@ -56,6 +58,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     search_period: int = 3
     fields_period: int = 8
     crowded: float = 4.0
+    probes: int = 4
     restarts: int = 3
     min_visible: float = 0.3
     halted_period: int = 3

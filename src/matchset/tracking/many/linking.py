@@ -80,20 +80,17 @@ class Linking:
         return [each for each in self.targets if each.tracklet is None]
 
     def end(self, ended: Sequence[Tracklet], time: float) -> list[Followed]:
-        """End tracklets: what is likeliest of them is taken; return the targets that were lost with them."""
-        lost = []
+        """End tracklets, at a time, s; return the targets that were lost with them. Of one in doubt nothing is kept."""
+        lost = list[Followed]()
         for tracklet in ended:
-            owner = next((each for each in tracklet.links if each.tracklet is tracklet), None)
-            if owner is not None:
+            for each, link in tracklet.links.items():
+                if each.tracklet is tracklet:
+                    each.tracklet = None
                 if not tracklet.is_certain:
-                    self._settle(tracklet, owner)
-                owner.tracklet = None
-                if owner.probe is None:
-                    owner.probe, owner.probed, tracklet.tracker = tracklet.tracker, time, None
-                lost.append(owner)
-            elif not tracklet.is_certain:
-                for link in tracklet.links.values():
                     self.bank.free(link.slot)
+                else:
+                    each.take_probe(tracklet, time)
+                    lost.append(each)
             self.tracklets.remove(tracklet)
         return lost
 
@@ -187,8 +184,9 @@ class Linking:
         for tracklet in self.tracklets:
             owner = next((each for each in tracklet.links if each.tracklet is tracklet), None)
             if owner is not None:
-                owner.seen, owner.last = time, tracklet.sighting
                 owner.sightings += 1
+                if tracklet.is_certain:
+                    owner.seen, owner.last = time, tracklet.sighting
 
     def _best(
         self, open_ones: Sequence[Tracklet]

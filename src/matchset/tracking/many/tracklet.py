@@ -46,6 +46,11 @@ class Followed:
         self.probe: Tracker[Any] | None = None
         self.probed: float | None = None
 
+    def take_probe(self, tracklet: "Tracklet", time: float) -> None:
+        """Take the tracker of a tracklet that was lost at a time, s, to look for the target with."""
+        if self.probe is None:
+            self.probe, self.probed, tracklet.tracker = tracklet.tracker, time, None
+
     def shape_at(self, place: Gate) -> Shape:
         """Return its shape at another place, px."""
         return shape_at(self.last, place)

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from matchset.shapes.rectangle import Rectangle
     from matchset.tracking.detection import detect
     from matchset.tracking.parameters import TrackerParameters
+    from matchset.tracking.many.multi_tracker import MultiTracker
+    from matchset.tracking.many.target import Target
     from matchset.tracking.track import Lost, Track
     from matchset.tracking.tracker import Tracker
 
@@ -59,6 +61,7 @@ __all__ = [
     "Localizer",
     "Lost",
     "MarkerTracker",
+    "MultiTracker",
     "Neighbor",
     "Neighbors",
     "Polygon",
@@ -66,6 +69,7 @@ __all__ = [
     "PoseFilter",
     "Quadrilateral",
     "Rectangle",
+    "Target",
     "Track",
     "Tracker",
     "TrackerParameters",
@@ -91,6 +95,7 @@ _MODULES = {
     "Localizer": "matchset.localization.localizer",
     "Lost": "matchset.tracking.track",
     "MarkerTracker": "matchset.localization.markers.marker_tracker",
+    "MultiTracker": "matchset.tracking.many.multi_tracker",
     "Neighbor": "matchset.localization.neighbors.ball_track",
     "Neighbors": "matchset.localization.neighbors.neighbors",
     "Polygon": "matchset.shapes.polygon",
@@ -98,6 +103,7 @@ _MODULES = {
     "PoseFilter": "matchset.localization.pose_filter",
     "Quadrilateral": "matchset.shapes.quadrilateral",
     "Rectangle": "matchset.shapes.rectangle",
+    "Target": "matchset.tracking.many.target",
     "Track": "matchset.tracking.track",
     "Tracker": "matchset.tracking.tracker",
     "TrackerParameters": "matchset.tracking.parameters",

@@ -73,7 +73,6 @@ class Linking:
         self.bank = MotionBank(4 * most, motion)
         self.targets: list[Followed] = []
         self.tracklets: list[Tracklet] = []
-        self.dropped: list[Tracklet] = []
 
     def hidden(self) -> list[Followed]:
         """Targets that are not seen."""
@@ -134,7 +133,7 @@ class Linking:
         begun = list[Tracklet]()
         for sighting in fresh:
             tracklet = Tracklet(sighting.label, sighting)
-            for each in self.targets:
+            for each in () if sighting.wished else self.targets:
                 if each.tracklet is not None and each.tracklet.is_certain:
                     continue
                 explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
@@ -161,8 +160,12 @@ class Linking:
         self.bank.correct([slot], [sighting], time)
         return slot
 
-    def decide(self, time: float) -> None:
-        """Take the best joint explanation of all tracklets, and end doubts where no other is nearly as good."""
+    def decide(self, time: float) -> list[Tracklet]:
+        """Take the best joint explanation of all tracklets, and end doubts where no other is nearly as good.
+
+        Returns those that can be of no target, and are forgotten.
+        """
+        dropped = list[Tracklet]()
         open_ones = [each for each in self.tracklets if not each.is_certain]
         if open_ones:
             chosen, cost, table, columns = self._best(open_ones)
@@ -178,7 +181,10 @@ class Linking:
                 column = chosen[row]
                 if column is None:
                     self._drop(tracklet)
-                elif tracklet.doubted >= self.limits.decide or self._margin(table, row, column, cost) > self.limits.clear:
+                    dropped.append(tracklet)
+                elif (
+                    tracklet.doubted >= self.limits.decide or self._margin(table, row, column, cost) > self.limits.clear
+                ):
                     self._settle(tracklet, columns[column])
             self._remove_taken()
         for tracklet in self.tracklets:
@@ -187,6 +193,7 @@ class Linking:
                 owner.sightings += 1
                 if tracklet.is_certain:
                     owner.seen, owner.last = time, tracklet.sighting
+        return dropped
 
     def _best(
         self, open_ones: Sequence[Tracklet]
@@ -233,7 +240,12 @@ class Linking:
             if tracklet.is_certain:
                 continue
             for each in list(tracklet.links):
-                if each.tracklet is not None and each.tracklet is not tracklet and each.tracklet.is_certain and len(tracklet.links) > 1:
+                if (
+                    each.tracklet is not None
+                    and each.tracklet is not tracklet
+                    and each.tracklet.is_certain
+                    and len(tracklet.links) > 1
+                ):
                     self.bank.free(tracklet.links.pop(each).slot)
 
     def _drop(self, tracklet: Tracklet) -> None:
@@ -241,13 +253,23 @@ class Linking:
         for link in tracklet.links.values():
             self.bank.free(link.slot)
         self.tracklets.remove(tracklet)
-        self.dropped.append(tracklet)
 
-    def forget(self, time: float, memory: float) -> None:
-        """Forget targets that were not seen for longer than this, s."""
-        for each in [each for each in self.targets if each.tracklet is None and time - each.seen > memory]:
-            self.targets.remove(each)
-            self.bank.free(each.slot)
-            for tracklet in self.tracklets:
-                if each in tracklet.links and len(tracklet.links) > 1:
-                    self.bank.free(tracklet.links.pop(each).slot)
+    def forget(self, time: float, memory: float, unconfirmed: float) -> None:
+        """Forget targets that were not seen for longer than this, s; the second time for those without an identity."""
+        for each in self.hidden():
+            if time - each.seen > (unconfirmed if each.identity is None else memory):
+                self.remove(each)
+
+    def remove(self, target: Followed) -> list[Tracklet]:
+        """Forget a target; return the tracklets that end with it."""
+        self.targets.remove(target)
+        ended = list[Tracklet]()
+        for tracklet in [each for each in self.tracklets if target in each.links]:
+            link = tracklet.links.pop(target)
+            if not tracklet.is_certain:
+                self.bank.free(link.slot)
+            if not tracklet.links:
+                self.tracklets.remove(tracklet)
+                ended.append(tracklet)
+        self.bank.free(target.slot)
+        return ended

@@ -4,11 +4,14 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from matchset.image.color import ColorModel
 from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
-from matchset.numeric.arguments import check_kind, checked_count
+from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
+from matchset.shapes.shape import Shape
 from matchset.tracking.many.linking import Linking
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.observer import Observer
@@ -20,62 +23,171 @@ from matchset.tracking.track import Lost, Track
 MOST = 100  # format: targets at once
 
 Colors = ColorModel | Sequence[ColorModel] | Mapping[str, ColorModel]
+Families = type[Any] | Mapping[str, type[Any]]
 
 
 class MultiTracker(Copied):
-    """Follows several targets at once; each keeps its identity while others cross or hide it."""
+    """Follows several targets at once; each keeps its identity while others cross or hide it.
+
+    What is followed from frame to frame without a gap is a tracklet. Where targets touch, so that only one of them is
+    seen, or one comes out from behind something, it is in doubt whose a tracklet is: then the motion of each target that
+    it may be is filtered on with it, at constant velocity, in free flight and at rest, and what is likeliest for all of
+    them together is taken (SciPy's `linear_sum_assignment` on log-likelihoods), until nothing else is nearly as good.
+
+    Parameters
+    ----------
+    family : type, or mapping of str to type
+        The family of shapes, `Circle`, `Rectangle`, ...; or one for each label.
+    colors : ColorModel, sequence of ColorModel, or mapping of str to ColorModel
+        What the targets look like: of one color, of several, or of several with labels. Without labels these are "0",
+        "1", ... in their order.
+    most : int
+        How many are followed at once.
+    parameters : MultiTrackerParameters, optional
+    finds : bool
+        Whether all that looks like the targets is searched for; otherwise only what `add` names is followed.
+    fps : float or None
+        For plain arrays: their rate, 1/s. None: they have the times at which `update` is called, as before a camera.
+
+    Attributes
+    ----------
+    colors : dict of str to ColorModel
+        By label.
+
+    Raises
+    ------
+    ValueError
+        If `most` is not 1 to 100, there is no color, two of them are the same, or the labels of families and colors
+        differ.
+    TypeError
+        If a color is no `ColorModel`, or the parameters are none.
+
+    Examples
+    --------
+    >>> import numpy as np, matchset as ms
+    >>> rows, columns = np.indices((240, 320))
+    >>> image = np.full((240, 320, 3), 90, np.uint8)
+    >>> for x in (80, 220):
+    ...     image[np.hypot(columns - x, rows - 110) < 30] = (200, 60, 30)
+    >>> tracker = ms.MultiTracker(ms.Circle, ms.ColorModel.pick(image, 80, 110))
+    >>> for _ in range(4):
+    ...     targets = tracker.update(image)
+    >>> [(target.identity, round(target.track.shape.x)) for target in targets]
+    [(0, 80), (1, 220)]
+    """
 
     def __init__(
         self,
-        family: type[Any],
+        family: Families,
         colors: Colors,
         most: int = 20,
         parameters: MultiTrackerParameters | None = None,
         *,
+        finds: bool = True,
         fps: float | None = 30.0,
     ) -> None:
         check_kind("parameters", parameters, (MultiTrackerParameters, type(None)))
         self.most = checked_count("most", most, 1, MOST)
-        self.parameters = parameters or MultiTrackerParameters()
-        self.colors = _named(colors)
-        self._family = family
-        families = dict.fromkeys(self.colors, family)
-        self._observer = Observer(families, self.colors, self.parameters)
+        self.parameters, self.colors = parameters or MultiTrackerParameters(), named_colors(colors)
+        families = _families(family, self.colors)
+        self._observer = Observer(families, self.colors, self.parameters, finds)
         self._linking = Linking(most, self.parameters.motion, self.parameters.linking)
         self._arrays = ArrayFrames(fps)
         self._count = self._frames = 0
         self._format: tuple[int, ...] | None = None
         self._time, self._passed = -math.inf, 1.0 / 30.0
-        self._make_derived()
 
     @one_line
     def __repr__(self) -> str:
-        names = [each.identity for each in self._linking.targets if each.identity is not None]
-        return f"MultiTracker({len(names)} targets followed, {self._count} found, {self._frames} frames)"
+        followed = sum(each.identity is not None for each in self._linking.targets)
+        return f"MultiTracker({followed} targets followed, {self._count} found, {self._frames} frames)"
+
+    def add(self, what: tuple[float, float] | Shape, label: str | None = None) -> None:
+        """Follow what is at a point, or a shape, from the next frame on.
+
+        Parameters
+        ----------
+        what : tuple of float or Shape
+            A point (x, y), px, of something whose outline is looked for around it for half a second; or its outline,
+            roughly.
+        label : str, optional
+            Of its color; where there is one color only, that.
+
+        Raises
+        ------
+        ValueError
+            If there is no such label, or several and none is given; if the point is not finite, or the shape of another
+            family; if it is on a target that is followed already, or there are `most`.
+        """
+        if label is None and len(self.colors) == 1:
+            label = next(iter(self.colors))
+        if label not in self.colors:
+            raise ValueError(f"the label must be one of {', '.join(map(repr, self.colors))}, got {label!r:.60}")
+        point = checked_point("the point", what if isinstance(what, tuple) else what.state[:2])
+        for each in self._linking.targets:
+            if each.tracklet is not None:
+                place = each.tracklet.sighting.place
+                if math.hypot(place.x - point[0], place.y - point[1]) < place.half_width:
+                    raise ValueError(f"at ({point[0]:.0f}, {point[1]:.0f}) is target {each.identity}, followed already")
+        if len(self._linking.targets) + len(self._observer.wishes) >= self.most:
+            raise ValueError(f"{self.most} targets are followed already: remove one, or allow for more by `most`")
+        self._observer.wish(label, what if not isinstance(what, tuple) else point)
+
+    def remove(self, identity: int) -> None:
+        """Follow a target no longer; what finds all may find it again, as another one.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        found = next((each for each in self._linking.targets if each.identity == identity), None)
+        if found is None:
+            raise ValueError(f"there is no target {identity!r:.20}")
+        for tracklet in self._linking.remove(found):
+            self._observer.take_back(tracklet)
 
     def update(self, frame: Picture) -> list[Target[Any]]:
-        """Track all targets in a frame, and search a strip of it for new ones."""
+        """Track all targets in a frame, and search a strip of it for new ones.
+
+        Parameters
+        ----------
+        frame : Frame, or ndarray of shape (h, w, 3) or (h, w), uint8
+            The next picture, later than the one before; arrays as for `Tracker.update`.
+
+        Returns
+        -------
+        list of Target
+            In the order of their identities; those not seen for a while are `Lost` among them.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As for `Tracker.update`.
+        """
         frame = self._checked(frame)
         linking, observer = self._linking, self._observer
-        linking.forget(frame.time, self.parameters.memory)
+        linking.forget(frame.time, self.parameters.memory, self.parameters.unconfirmed)
         predicted = Predicted(linking.bank, frame.time)
         seen = observer.observe(frame, predicted, linking.tracklets, linking.hidden(), self._passed)
         lost = linking.end(seen.ended, frame.time)
         linking.doubt(lost, seen.continued, predicted)
         linking.go_on(seen.continued, frame.time)
         linking.begin(seen.fresh, predicted, frame.time)
-        linking.decide(frame.time)
-        for each in (*seen.ended, *linking.dropped):
-            if each.tracker is not None:
-                observer.take_back(each.label, each.tracker)
-        linking.dropped.clear()
+        dropped = linking.decide(frame.time)
+        for tracklet in (*seen.ended, *dropped):
+            observer.take_back(tracklet)
         return self._answers(frame, predicted)
 
     def _checked(self, picture: Picture) -> Frame:
+        """Check a picture against those before it; return it as a frame."""
         if type(picture) is not Frame or self._arrays.count:
             picture = self._arrays.next(picture, self._frames)
         check_follows(picture, self._format, self._time)
-        if self._frames:
+        if self._format is None:
+            for color in self.colors.values():
+                color.check(picture.image)
+        else:
             self._passed = min(picture.time - self._time, 1.0)
         self._format, self._time = picture.image.shape, picture.time
         self._frames += 1
@@ -85,28 +197,61 @@ class MultiTracker(Copied):
         answers = list[Target[Any]]()
         for each in self._linking.targets:
             if each.identity is None and each.sightings >= self.parameters.confirm:
-                each.identity = self._count
-                self._count += 1
+                each.identity, self._count = self._count, self._count + 1
             if each.identity is None:
                 continue
-            track: Track[Any] | Lost[Any]
-            if each.tracklet is not None:
-                track = each.tracklet.sighting.track
-            else:
-                track = Lost("hidden", frame.time, each.shape_at(predicted.likeliest(each.slot)[0]))
+            track = self._hidden(each, frame, predicted) if each.tracklet is None else each.tracklet.sighting.track
             answers.append(Target(each.identity, each.label, track, each.since, _alternatives(each)))
-        return sorted(answers, key=lambda target: target.identity)
+        return answers if len(answers) < 2 else sorted(answers, key=lambda target: target.identity)
+
+    def _hidden(self, each: Followed, frame: Frame, predicted: Predicted) -> Lost[Any]:
+        """Say where a target should be that is not seen, and what hides it."""
+        place, _ = predicted.likeliest(each.slot)
+        for other in self._linking.targets:
+            if other.tracklet is not None and other.identity is not None:
+                if place.distance(other.tracklet.sighting.place) < other.tracklet.sighting.place.half_width:
+                    return Lost(f"hidden behind target {other.identity}", frame.time, each.shape_at(place))
+        return Lost("not seen where its motion would have it", frame.time, each.shape_at(place))
+
+
+def named_colors(colors: Colors) -> dict[str, ColorModel]:
+    """Return colors by their labels.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or two are the same.
+    TypeError
+        If one is no `ColorModel`.
+    """
+    if isinstance(colors, ColorModel):
+        return {"0": colors}
+    if isinstance(colors, Mapping):
+        named = dict(colors)
+    else:
+        check_kind("colors", colors, Sequence, "one ColorModel, several, or a dict of them by label")
+        named = {str(k): each for k, each in enumerate(colors)}
+    if not named:
+        raise ValueError("there must be a color to follow, got none")
+    labels = list(named)
+    for k, label in enumerate(labels):
+        check_kind(f"the color {label!r}", named[label], ColorModel)
+        for other in labels[:k]:
+            same = named[label].log_odds.shape == named[other].log_odds.shape
+            if same and np.array_equal(named[label].log_odds, named[other].log_odds):
+                raise ValueError(f"the colors {other!r} and {label!r} are the same: one label is enough for both")
+    return named
+
+
+def _families(family: Families, colors: Mapping[str, ColorModel]) -> dict[str, type[Any]]:
+    if not isinstance(family, Mapping):
+        return dict.fromkeys(colors, family)
+    if set(family) != set(colors):
+        raise ValueError(f"families and colors must have the same labels, got {list(family)} and {list(colors)}")
+    return dict(family)
 
 
 def _alternatives(each: Followed) -> tuple[int, ...]:
     """Which other targets a tracklet may be of."""
     links = () if each.tracklet is None else each.tracklet.links
     return tuple(sorted(other.identity for other in links if other is not each and other.identity is not None))
-
-
-def _named(colors: Colors) -> dict[str, ColorModel]:
-    if isinstance(colors, ColorModel):
-        return {"0": colors}
-    if isinstance(colors, Mapping):
-        return dict(colors)
-    return {str(k): each for k, each in enumerate(colors)}

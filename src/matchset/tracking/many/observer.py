@@ -4,13 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
+from matchset.shapes.shape import Shape
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
-from matchset.tracking.many.sightings import Sighting, are_fields, of_both, sighting_of
+from matchset.tracking.many.sightings import Sighting, are_fields, of_both, place_of, sighting_of
 from matchset.tracking.many.strip_search import STRIPS, StripSearch
 from matchset.tracking.many.tracklet import Followed, Tracklet, start
 from matchset.tracking.motion import Gate
@@ -35,6 +34,14 @@ class Observed(NamedTuple):
     fresh: list[Sighting]
 
 
+class Wish:
+    """What somebody said shall be followed: a point of it, px, or its outline, roughly; and since when, s."""
+
+    def __init__(self, label: str, what: tuple[float, float] | Shape) -> None:
+        self.label, self.what = label, what
+        self.since: float | None = None
+
+
 class Observer:
     """Trackers and searches of several targets.
 
@@ -45,16 +52,28 @@ class Observer:
     colors : mapping of str to ColorModel
         By label.
     parameters : MultiTrackerParameters
+    finds : bool
+        Whether what nobody follows is searched for.
+
+    Attributes
+    ----------
+    wishes : list of Wish
+        What shall be followed, and was not found yet.
     """
 
     def __init__(
-        self, families: Mapping[str, type[Any]], colors: Mapping[str, ColorModel], parameters: MultiTrackerParameters
+        self,
+        families: Mapping[str, type[Any]],
+        colors: Mapping[str, ColorModel],
+        parameters: MultiTrackerParameters,
+        finds: bool,
     ) -> None:
         self._families, self._colors, self._limits = families, colors, parameters
         self._searches = {
             label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
         }
-        self._spare: dict[str, list[Tracker[Any]]] = {label: [] for label in colors}
+        self._spare: dict[str, list[Tracker[Any]]] = {label: [self._made(label)] for label in colors}
+        self._finds, self.wishes = finds, list[Wish]()
         self._frames = self._turn = 0
         self._labels = list(colors)
         self._fields = 0.0, 0.0
@@ -63,13 +82,31 @@ class Observer:
         """Return a tracker that nobody uses."""
         if self._spare[label]:
             return self._spare[label].pop()
+        return self._made(label)
+
+    def _made(self, label: str) -> Tracker[Any]:
         limits = self._limits
         return Tracker(self._families[label], self._colors[label], limits.points, parameters=limits.tracker)
 
-    def take_back(self, label: str, tracker: Tracker[Any]) -> None:
-        """Take back a tracker that is not used any more."""
-        tracker.restart()
-        self._spare[label].append(tracker)
+    def take_back(self, tracklet: Tracklet) -> None:
+        """Take back the tracker of a tracklet that has ended."""
+        if tracklet.tracker is not None:
+            tracklet.tracker.restart()
+            self._spare[tracklet.label].append(tracklet.tracker)
+            tracklet.tracker = None
+
+    def wish(self, label: str, what: tuple[float, float] | Shape) -> None:
+        """Look for what is at a point, px, or for a shape, from the next frame on.
+
+        Raises
+        ------
+        ValueError
+            If the shape is not of the family of its label.
+        """
+        family = self._families[label]
+        if not isinstance(what, tuple | family):
+            raise ValueError(f"targets of the color {label!r} are of the family {family.__name__}, got {what!r:.60}")
+        self.wishes.append(Wish(label, what))
 
     def observe(
         self,
@@ -85,11 +122,35 @@ class Observer:
         continued, ended = self._follow(frame, predicted, (tracklets, hidden), passed)
         known = list(continued.values())
         fresh = list[Sighting]()
+        for sighting in self._wished(frame, known):
+            self._add(frame, fresh, sighting, known)
         for sighting in self._probe(frame, predicted, (hidden, known), passed):
             self._add(frame, fresh, sighting, known)
         for sighting in self._search(frame, predicted, hidden, [*known, *fresh]):
             self._add(frame, fresh, sighting, known)
         return Observed(continued, ended, fresh)
+
+    def _wished(self, frame: Frame, known: Sequence[Sighting]) -> list[Sighting]:
+        """Look for what somebody said shall be followed; for half a second, and no more."""
+        found, sigmas = list[Sighting](), self._limits.motion.center_sigmas
+        for wish in list(self.wishes):
+            wish.since = frame.time if wish.since is None else wish.since
+            if isinstance(wish.what, tuple):
+                x, y = wish.what
+                places = [each.place for each in known]
+                tracks = self._searches[wish.label].near(frame, Gate(x, y, 0.0), places)
+                tracks = [track for track in tracks if _holds(place_of(track.shape), (x, y))]
+            else:
+                tracker = self.tracker(wish.label)
+                tracker.start(wish.what)
+                answer = tracker.update(frame)
+                tracks = [answer] if isinstance(answer, Track) else []
+                tracker.restart()
+                self._spare[wish.label].append(tracker)
+            found += [sighting_of(track, sigmas, wish.label)._replace(wished=True) for track in tracks[:1]]
+            if tracks or frame.time - wish.since > self._limits.wished:
+                self.wishes.remove(wish)
+        return found
 
     def _share_fields(self, tracklets: Sequence[Tracklet]) -> None:
         """Ask the trackers by turns what they know of the fields of the camera's pictures, for new ones."""
@@ -237,9 +298,7 @@ class Observer:
     def _is_covered(self, place: Gate, known: Sequence[Sighting]) -> bool:
         """Whether what is expected at a place is hidden behind something that is seen."""
         visible = self._limits.min_visible * place.half_width
-        return any(
-            place.distance(each.place) + place.half_width < each.place.half_width + visible for each in known
-        )
+        return any(place.distance(each.place) + place.half_width < each.place.half_width + visible for each in known)
 
     def _search(
         self, frame: Frame, predicted: Predicted, hidden: Sequence[Followed], known: Sequence[Sighting]
@@ -247,7 +306,9 @@ class Observer:
         """Search a strip for what nobody follows, and a quarter of the image around one that is hidden."""
         places, sigmas = [each.place for each in known], self._limits.motion.center_sigmas
         found = list[Sighting]()
-        if hidden or self._frames % self._limits.search_period == 0 or self._frames < STRIPS * len(self._colors):
+        if self._finds and (
+            hidden or self._frames % self._limits.search_period == 0 or self._frames < STRIPS * len(self._colors)
+        ):
             label = self._labels[self._turn]
             self._turn = (self._turn + 1) % len(self._labels)
             found += [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
@@ -275,6 +336,10 @@ def near_pairs(places: Sequence[Gate], distance: float) -> list[tuple[int, int]]
             if abs(other.y - y) < reach and math.hypot(other.x - x, other.y - y) < distance * max(size, other[2]):
                 pairs.append((min(first, second), max(first, second)))
     return sorted(pairs)
+
+
+def _holds(place: Gate, point: tuple[float, float]) -> bool:
+    return math.hypot(place.x - point[0], place.y - point[1]) < place.half_width
 
 
 def _apart(one: Gate, other: Gate) -> tuple[float, float]:

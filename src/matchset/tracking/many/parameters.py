@@ -37,6 +37,10 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
         How many hidden targets are looked for in a frame, those first that were not for longest.
     restarts : int
         Frames in which a new tracklet's tracker begins where the filters expect it, whose velocity is better than its own.
+    wished : float
+        How long what `MultiTracker.add` named is looked for, s.
+    unconfirmed : float
+        How long what has no identity yet is remembered once it is not seen, s.
     min_visible : float
         Share of its half-width that a target must reach out from behind a nearer one to be looked for.
     halted_period, halted_after : int, float
@@ -60,6 +64,8 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     crowded: float = 4.0
     probes: int = 4
     restarts: int = 3
+    wished: float = 0.5
+    unconfirmed: float = 0.1
     min_visible: float = 0.3
     halted_period: int = 3
     halted_after: float = 0.15

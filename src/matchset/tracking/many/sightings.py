@@ -1,4 +1,4 @@
-"""What is seen of all targets in a frame: `Sighting`; of two on one outline one remains (`merged`)."""
+"""An outline in a frame: `Sighting`; and the two fields of an interlaced picture, in which one target has two."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-
 from matchset.shapes.circle import Circle
 from matchset.tracking.motion import Gate, gate_of
 from matchset.tracking.track import Track
@@ -23,13 +22,17 @@ LEAST = 0.1  # format: support by which a sighting is weighed at least
 class MergeParameters(msgspec.Struct, frozen=True, kw_only=True):
     """When two sightings are of one target.
 
-    All chosen on rendered crowds, seeds 7 and 8 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
 
     Parameters
     ----------
     distance, log_size : float
-        Centers nearer than this are one, in half-widths of the larger, if their sizes differ by less, as a logarithm:
-        the discs of two that are not share less than half of their area.
+        Trackers whose outlines are nearer than this, in half-widths of the larger, and whose sizes differ by less, as a
+        logarithm, follow the same target. More gives up targets that are nearly hidden sooner.
+    fresh_distance, fresh_log_size : float
+        The same of what a search found, or the tracker of a hidden target: these must differ from all that is followed.
+    mixed_log_size : float
+        Change of size from which an outline that touches another one is that of both.
     field_near, field_distance, field_log_size : float
         Distances between which, and sizes up to which, two may be the fields of an interlaced picture ...
     field_parity : float
@@ -59,6 +62,12 @@ class Sighting(NamedTuple):
         Of each coordinate of the center, px^2.
     label : str
         Of the color by which it was seen.
+    sure : bool
+        Whether it was found where nothing was expected, with the evidence that this takes.
+    tracker : Tracker or None
+        Which has seen it; None for a search.
+    wished : bool
+        Whether somebody said that it shall be followed: it is a new target.
     """
 
     track: Track[Any]
@@ -67,6 +76,7 @@ class Sighting(NamedTuple):
     label: str
     sure: bool = True
     tracker: Tracker[Any] | None = None
+    wished: bool = False
 
 
 def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> Sighting:
@@ -79,13 +89,15 @@ def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> S
         Standard deviation of its center beside its own covariance: px, and in half-widths.
     label : str
     """
-    shape = track.shape
-    place = (
-        Gate(shape.x, shape.y, shape.radius) if type(shape) is Circle else gate_of(type(shape), shape.state)
-    )  # without an array it takes a fifth of the time
+    place = place_of(track.shape)
     known = max((track.covariance.item(0, 0) + track.covariance.item(1, 1)) / 2.0, 0.0)
     sigma = (sigmas[0] + sigmas[1] * place.half_width) / max(track.support, LEAST)
     return Sighting(track, place, min(known, place.half_width**2) + sigma**2, label)
+
+
+def place_of(shape: Any) -> Gate:
+    """Return center and half-width of a shape, px; of a circle without an array, in a fifth of the time."""
+    return Gate(shape.x, shape.y, shape.radius) if type(shape) is Circle else gate_of(type(shape), shape.state)
 
 
 def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limits: MergeParameters) -> bool:
@@ -99,8 +111,12 @@ def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limit
     limits : MergeParameters
     """
     reach = max(each.half_width for each in places)
-    left, right = (max(round(choose(each.x for each in places) + by), 0) for choose, by in ((min, -reach), (max, reach)))
-    top, bottom = (max(round(choose(each.y for each in places) + by), 0) for choose, by in ((min, -reach), (max, reach)))
+    left, right = (
+        max(round(choose(each.x for each in places) + by), 0) for choose, by in ((min, -reach), (max, reach))
+    )
+    top, bottom = (
+        max(round(choose(each.y for each in places) + by), 0) for choose, by in ((min, -reach), (max, reach))
+    )
     part = np.ascontiguousarray(image[top : bottom + 1, left : right + 1])
     if not part.size:
         return False

@@ -116,7 +116,9 @@ class StripSearch:
         top = round(min(max(place.y - 0.5 * rows, 0.0), height - rows))
         return self._within(frame, (left, top, columns, rows), known, True)
 
-    def _within(self, frame: Frame, box: tuple[int, int, int, int], known: Sequence[Gate], expected: bool) -> list[Track[Any]]:
+    def _within(
+        self, frame: Frame, box: tuple[int, int, int, int], known: Sequence[Gate], expected: bool
+    ) -> list[Track[Any]]:
         """Search a part of the image: left, top, columns and rows, px."""
         image, (left, top, columns, rows) = channels_last(frame.image), box
         searcher = self._searchers.get((columns, rows))
@@ -152,7 +154,9 @@ class StripSearch:
             if shape is not None:
                 yield shape.state
 
-    def _fit(self, image: npt.NDArray[np.uint8], state: npt.NDArray[np.float64], searched: _Searched) -> Estimate | None:
+    def _fit(
+        self, image: npt.NDArray[np.uint8], state: npt.NDArray[np.float64], searched: _Searched
+    ) -> Estimate | None:
         """Fit a shape about a state, first at rest and then moving; None if nothing there is one."""
         limits, fitter = self.parameters, self._fitter
         reach = max(limits.range_cells * searched.stride, limits.range_share * gate_of(self.family, state).half_width)

@@ -117,9 +117,7 @@ class Tracklet:
         start(self.tracker, self.sighting, predicted.likeliest(self.links[owner].slot), passed)
 
 
-def start(
-    tracker: Tracker[Any], last: Sighting, expected: tuple[Gate, tuple[float, float]], passed: float
-) -> None:
+def start(tracker: Tracker[Any], last: Sighting, expected: tuple[Gate, tuple[float, float]], passed: float) -> None:
     """Let a tracker begin where something is expected: place and velocity, `passed` seconds after the last frame."""
     place, (vx, vy) = expected
     before = place._replace(x=place.x - passed * vx, y=place.y - passed * vy)

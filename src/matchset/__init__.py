@@ -43,9 +43,9 @@ if TYPE_CHECKING:
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
     from matchset.tracking.detection import detect
-    from matchset.tracking.parameters import TrackerParameters
     from matchset.tracking.many.multi_tracker import MultiTracker
     from matchset.tracking.many.target import Target
+    from matchset.tracking.parameters import TrackerParameters
     from matchset.tracking.track import Lost, Track
     from matchset.tracking.tracker import Tracker
 

@@ -10,6 +10,7 @@ import math
 from typing import Any, Generic, TypeVar
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -67,6 +68,26 @@ class TrackStep(Copied, Generic[S]):
         self.acquired: Acquisition | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self.outlines = OutlineChoice(fitter, parameters)
+
+    @property
+    def asks_network(self) -> bool:
+        """Whether the network of discs is asked; it knows single balls, and may be wrong where several touch."""
+        return self.outlines.network.limits.used
+
+    @asks_network.setter
+    def asks_network(self, asks: bool) -> None:
+        network = self.outlines.network
+        if network.limits.used != asks:
+            network.limits = msgspec.structs.replace(network.limits, used=asks)
+
+    @property
+    def fields(self) -> tuple[float, float]:
+        """What is known of the time between the fields of a camera's pictures; another tracker of it may be told."""
+        return float(self.fitter.work.motion.offset_moment), float(self.fitter.work.motion.speed_moment)
+
+    @fields.setter
+    def fields(self, known: tuple[float, float]) -> None:
+        self.fitter.work.motion.offset_moment, self.fitter.work.motion.speed_moment = known
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""

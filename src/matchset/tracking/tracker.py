@@ -3,7 +3,6 @@
 import math
 from typing import Generic, TypeVar
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -90,10 +89,10 @@ class Tracker(Copied, Generic[S]):
         self._family, self._given, self._arrays = family, color.copy(), ArrayFrames(fps)
         self._hint = start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
-        self._step = TrackStep(self._fitter, self.parameters)
+        self.step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
         self._detectors = Detectors(self._fitter, self.parameters)
-        self._ball = LostBall(self._step, self.parameters, self._detectors)
+        self._ball = LostBall(self.step, self.parameters, self._detectors)
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
@@ -112,26 +111,6 @@ class Tracker(Copied, Generic[S]):
         words = f"{self._family.__name__}, {self._fitter.points} points, {self.mode.name.lower()}"
         return f"Tracker({words}, {self._frames} frames)"
 
-    @property
-    def fields(self) -> tuple[float, float]:
-        """What is known of the time between the fields of the camera's pictures; another tracker of it may be told."""
-        return float(self._fitter.work.motion.offset_moment), float(self._fitter.work.motion.speed_moment)
-
-    @fields.setter
-    def fields(self, known: tuple[float, float]) -> None:
-        self._fitter.work.motion.offset_moment, self._fitter.work.motion.speed_moment = known
-
-    @property
-    def asks_network(self) -> bool:
-        """Whether the network of discs is asked; it knows single balls, and may be wrong where several touch."""
-        return self._step.outlines.network.limits.used
-
-    @asks_network.setter
-    def asks_network(self, asks: bool) -> None:
-        network = self._step.outlines.network
-        if network.limits.used != asks:
-            network.limits = msgspec.structs.replace(network.limits, used=asks)
-
     def start(self, shape: S, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at this shape in the next frame, without a search.
 
@@ -145,7 +124,7 @@ class Tracker(Copied, Generic[S]):
         Raises
         ------
         ValueError
-            If it is not of the family that is tracked, or the velocity is not finite.
+            If it is not of the family that is tracked, or the velocity not finite.
         """
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
@@ -153,7 +132,7 @@ class Tracker(Copied, Generic[S]):
         sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
         initialize(self._fitter.work, shape.state, self._time, sigma)
         motion.velocity[:2], motion.size_count = checked_point("the velocity", velocity), 0.0
-        self._initial, self._last, self._step.acquired = shape, shape, None
+        self._initial, self._last, self.step.acquired = shape, shape, None
         self.mode = Mode.TRACKING
 
     def restart(self, hint: tuple[float, float] | S | None = None, *, same_camera: bool = False) -> None:
@@ -194,7 +173,7 @@ class Tracker(Copied, Generic[S]):
         self._format = self._initial = self._last = self._start = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
-        self._step.forget()
+        self.step.forget()
         self._ball.forget(self.color)
 
     def update(self, frame: Picture) -> Track[S] | Lost[S]:
@@ -223,7 +202,7 @@ class Tracker(Copied, Generic[S]):
         image = self._checked(frame)
         if self._initial is not None or (self.color.gray and self.mode is Mode.SEARCHING):
             self._prepare(image)
-        self._step.outlines.network.begin_picture()
+        self.step.outlines.network.begin_picture()
         rejected = self._tracked(image)
         if rejected is not None and self._relight(image):
             rejected = self._tracked(image)
@@ -232,13 +211,13 @@ class Tracker(Copied, Generic[S]):
             if (lost := self._detect(image, reason)) is not None:
                 return lost
         elif self.mode is Mode.COASTING:
-            self._step.note_acquired(image, self.color, self._time)
+            self.step.note_acquired(image, self.color, self._time)
         self.mode = Mode.TRACKING
         track = track_of(
-            self._fitter, self._last, self._time, self._step.outlines.spread, self._step.acquired, self._aspect
+            self._fitter, self._last, self._time, self.step.outlines.spread, self.step.acquired, self._aspect
         )
         self._last = track.shape
-        if self._step.without_outline:
+        if self.step.without_outline:
             return track
         if rejected is not None or self._frames % self.parameters.remembered == 1 or not self._ball.seen:
             self._ball.remember(image, gate_of(self._family, track.shape.state))
@@ -252,7 +231,7 @@ class Tracker(Copied, Generic[S]):
         """Track the shape into a picture; the estimate that was rejected, None if one was accepted."""
         if self.mode is Mode.SEARCHING:
             return NOT_FOUND
-        return self._step.track(image, self.color, self._time, self._interval, self._frames)
+        return self.step.track(image, self.color, self._time, self._interval, self._frames)
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
@@ -278,7 +257,7 @@ class Tracker(Copied, Generic[S]):
 
     def _prepare(self, image: Image) -> None:
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
-        given, self._initial, self._step.given = self._initial, None, self._initial is not None
+        given, self._initial, self.step.given = self._initial, None, self._initial is not None
         if self.color.gray:
             self.color = model_for_image(self.color, image, given, self.parameters.brightness)
             self._adapting.begin(self.color)
@@ -289,7 +268,7 @@ class Tracker(Copied, Generic[S]):
 
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
-        predicted, judged = self._coast(), self._ball.knows() and self._step.outlines.judges(self.color)
+        predicted, judged = self._coast(), self._ball.knows() and self.step.outlines.judges(self.color)
         if not judged or (predicted is None and self._frames % 2 == 1):  # of a lost ball, by turns with its own search
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
             best = best if not judged or self._ball.confirms(image, self.color, best) else None
@@ -381,7 +360,7 @@ class Tracker(Copied, Generic[S]):
             return True
         prior = self._ball.elsewhere(self.color, here.alone(there, limits))
         valid = not self._fitter.validate_detection(estimate, prior)
-        return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
+        return valid and here.reachable(there, self.step.missed(self._time, self._interval), limits)
 
     def _confirm(self, image: Image, state: Floats, predicted: Floats | None) -> str | None:
         """Fit a detection once more, and begin there if nothing was known; why it is rejected, None if it is not."""
@@ -395,15 +374,15 @@ class Tracker(Copied, Generic[S]):
         rejection = fitter.validate_detection(estimate, self._prior(predicted))
         if rejection or not family.half_width(estimate.state) > 0.0:  # the second fit ran away
             return fitter.validator.describe(rejection, estimate.fit)
-        estimate = self._step.outlines.of_detection(image, self.color, estimate, self._prior(predicted), predicted)
+        estimate = self.step.outlines.of_detection(image, self.color, estimate, self._prior(predicted), predicted)
         if predicted is None:
             sigma = self.parameters.initialization.detected_share * float(family.half_width(state))
             initialize(fitter.work, estimate.state, self._time, sigma)
         self._hint = None
         if estimate.fit.color_score > self.parameters.confidence.clear_score:
-            self._step.faint = 0
-        self._step.accept(self._time)
-        self._step.acquired = Acquisition(self._time, estimate.evidence)
+            self.step.faint = 0
+        self.step.accept(self._time)
+        self.step.acquired = Acquisition(self._time, estimate.evidence)
         return None
 
     def _prior(self, predicted: Floats | None) -> Prior:

@@ -11,7 +11,6 @@ from scipy.optimize import linear_sum_assignment
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.tracklet import Followed, Link, Tracklet
-from matchset.tracking.motion import Gate
 
 FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes for a number
 
@@ -94,7 +93,7 @@ class Linking:
         return lost
 
     def doubt(self, lost: Sequence[Followed], seen: dict[Tracklet, Sighting], predicted: Predicted) -> None:
-        """Doubt whose the tracklets are that are where targets were lost: these may be nearer, and the others hidden."""
+        """Doubt whose the tracklets are that are where targets were lost: these may be what is seen there."""
         for each in lost:
             place, _ = predicted.likeliest(each.slot)
             for tracklet, sighting in seen.items():
@@ -153,7 +152,7 @@ class Linking:
         return begun
 
     def _slot_after(self, each: Followed, sighting: Sighting, halted: bool, time: float) -> int:
-        """Return a slot of the filters as a target's after a sighting; one that has halted may go on in any direction."""
+        """Return filters as a target's after a sighting; one that has halted may go on in any direction."""
         if halted:
             return self.bank.begin(sighting.place, time)
         slot = self.bank.copied(each.slot)

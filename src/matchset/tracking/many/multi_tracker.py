@@ -18,7 +18,7 @@ from matchset.tracking.many.observer import Observer
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.target import Target
 from matchset.tracking.many.tracklet import Followed
-from matchset.tracking.track import Lost, Track
+from matchset.tracking.track import Lost
 
 MOST = 100  # format: targets at once
 
@@ -30,9 +30,9 @@ class MultiTracker(Copied):
     """Follows several targets at once; each keeps its identity while others cross or hide it.
 
     What is followed from frame to frame without a gap is a tracklet. Where targets touch, so that only one of them is
-    seen, or one comes out from behind something, it is in doubt whose a tracklet is: then the motion of each target that
-    it may be is filtered on with it, at constant velocity, in free flight and at rest, and what is likeliest for all of
-    them together is taken (SciPy's `linear_sum_assignment` on log-likelihoods), until nothing else is nearly as good.
+    seen, or one comes out from behind something, it is in doubt whose a tracklet is. Then the motion of each target
+    that it may be is filtered on with it, at constant velocity, in free flight and at rest, and what is likeliest for
+    all together is taken (SciPy's `linear_sum_assignment` on log-likelihoods), until nothing else is nearly as good.
 
     Parameters
     ----------
@@ -207,10 +207,10 @@ class MultiTracker(Copied):
     def _hidden(self, each: Followed, frame: Frame, predicted: Predicted) -> Lost[Any]:
         """Say where a target should be that is not seen, and what hides it."""
         place, _ = predicted.likeliest(each.slot)
-        for other in self._linking.targets:
-            if other.tracklet is not None and other.identity is not None:
-                if place.distance(other.tracklet.sighting.place) < other.tracklet.sighting.place.half_width:
-                    return Lost(f"hidden behind target {other.identity}", frame.time, each.shape_at(place))
+        seen = [(other.identity, other.tracklet.sighting.place) for other in self._linking.targets if other.tracklet]
+        for identity, nearer in seen:
+            if identity is not None and place.distance(nearer) < nearer.half_width:
+                return Lost(f"hidden behind target {identity}", frame.time, each.shape_at(place))
         return Lost("not seen where its motion would have it", frame.time, each.shape_at(place))
 
 

@@ -158,7 +158,7 @@ class Observer:
         if tracklets and self._frames % period == 0:
             tracker = tracklets[self._frames // period % len(tracklets)].tracker
             if tracker is not None:
-                self._fields = max(self._fields, tracker.fields, key=lambda known: known[1])
+                self._fields = max(self._fields, tracker.step.fields, key=lambda known: known[1])
 
     def _follow(
         self, frame: Frame, predicted: Predicted, followed: tuple[Sequence[Tracklet], Sequence[Followed]], passed: float
@@ -171,11 +171,11 @@ class Observer:
             if each.tracker is None:
                 each.tracker = self.tracker(each.label)
                 each.restarts = self._limits.restarts
-                each.tracker.fields = self._fields
+                each.tracker.step.fields = self._fields
             if each.restarts > 0:
                 each.restarts -= 1
                 each.start(predicted, passed)
-            each.tracker.asks_network = each not in crowded
+            each.tracker.step.asks_network = each not in crowded
             answer = each.tracker.update(frame)
             if isinstance(answer, Track):
                 seen[each] = sighting_of(answer, sigmas, each.label)
@@ -282,10 +282,10 @@ class Observer:
             probes += 1
             tracker = each.probe = each.probe or self.tracker(each.label)
             since = passed if each.probed is None else min(frame.time - each.probed, 1.0)
-            tracker.fields = self._fields
+            tracker.step.fields = self._fields
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
-            tracker.asks_network = not any(
+            tracker.step.asks_network = not any(
                 place.distance(other.place) < self._limits.crowded * max(place.half_width, other.place.half_width)
                 for other in known
             )

@@ -36,7 +36,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     probes : int
         How many hidden targets are looked for in a frame, those first that were not for longest.
     restarts : int
-        Frames in which a new tracklet's tracker begins where the filters expect it, whose velocity is better than its own.
+        Frames in which a new tracklet's tracker begins where the filters expect it: its own velocity is not known yet.
     wished : float
         How long what `MultiTracker.add` named is looked for, s.
     unconfirmed : float

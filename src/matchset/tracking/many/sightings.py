@@ -1,7 +1,5 @@
 """An outline in a frame: `Sighting`; and the two fields of an interlaced picture, in which one target has two."""
 
-import math
-from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import msgspec
@@ -134,7 +132,7 @@ def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limit
 
 
 def of_both(one: Sighting, other: Sighting) -> Sighting:
-    """The sighting of a shape of which two have seen a field each: midway."""
+    """Make one sighting, midway, of two that have seen a field each."""
     state = one.track.shape.state.copy()
     state[:2] = 0.5 * (one.place.x + other.place.x), 0.5 * (one.place.y + other.place.y)
     shape = type(one.track.shape).from_state(state, one.track.shape)

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.fitter import Estimate
+from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
@@ -21,13 +21,16 @@ from matchset.tracking.search.voting import Searcher, SearchParameters
 from matchset.tracking.track import Track
 from matchset.tracking.track_step import precompile_search
 
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
 STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
 
 
 class StripSearchParameters(msgspec.Struct, frozen=True):
     """How shapes that nobody follows are detected.
 
-    All were chosen by hand; `python -m benchmarks --only localization_neighbors` and `python -m benchmarks.crowds` would show a change.
+    All were chosen by hand; `python -m benchmarks.crowds` would show a change.
 
     Parameters
     ----------
@@ -70,8 +73,8 @@ class _Searched(NamedTuple):
 class StripSearch:
     """Detects shapes of one color that nobody follows yet; the whole image takes three frames.
 
-    A strip is searched on its coarse grid alone; its candidates are fitted in the image itself, so a shape may be larger
-    than its strip. The strips overlap by half, so every center is well inside one of them.
+    A strip is searched on its coarse grid alone; its candidates are fitted in the image itself, so a shape may be
+    larger than its strip. The strips overlap by half, so every center is well inside one of them.
 
     Parameters
     ----------
@@ -83,7 +86,7 @@ class StripSearch:
     def __init__(self, family: type[Any], color: ColorModel, parameters: StripSearchParameters | None = None) -> None:
         self.family, self.color = family, color
         self.parameters = parameters or StripSearchParameters()
-        self._fitter = tracking_fitter(family, self.parameters.points)
+        self._fitter: Fitter[Any] = tracking_fitter(family, self.parameters.points)
         self._searchers: dict[tuple[int, int], Searcher] = {}
         self._strip = 0
         precompile_search(family, color.table.size, color.channels)
@@ -140,9 +143,7 @@ class StripSearch:
         self._fitter.forget()
         return found
 
-    def _starts(
-        self, searcher: Searcher, part: npt.NDArray[np.uint8], corner: tuple[int, int]
-    ) -> Iterator[npt.NDArray[np.float64]]:
+    def _starts(self, searcher: Searcher, part: Image, corner: tuple[int, int]) -> Iterator[Floats]:
         """States of the family at which something in a part of the image may be, likeliest first."""
         left, top = corner
         if not finds_itself(self.family):
@@ -150,13 +151,11 @@ class StripSearch:
                 yield self.family.from_coarse(x + left, y + top, radius).state
             return
         for hull in searcher.hulls(part, self.color):
-            shape = next(iter(from_hull(self.family, hull + (float(left), float(top)))), None)
+            shape = next(iter(from_hull(self.family, hull + np.array((left, top), np.float64))), None)
             if shape is not None:
                 yield shape.state
 
-    def _fit(
-        self, image: npt.NDArray[np.uint8], state: npt.NDArray[np.float64], searched: _Searched
-    ) -> Estimate | None:
+    def _fit(self, image: Image, state: Floats, searched: _Searched) -> Estimate | None:
         """Fit a shape about a state, first at rest and then moving; None if nothing there is one."""
         limits, fitter = self.parameters, self._fitter
         reach = max(limits.range_cells * searched.stride, limits.range_share * gate_of(self.family, state).half_width)

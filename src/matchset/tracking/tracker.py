@@ -211,9 +211,8 @@ class Tracker(Copied, Generic[S]):
         elif self.mode is Mode.COASTING:
             self._step.note_acquired(image, self.color, self._time)
         self.mode = Mode.TRACKING
-        track = track_of(
-            self._fitter, self._last, self._time, self._step.outlines.spread, self._step.acquired, self._aspect
-        )
+        spread, acquired = self._step.outlines.spread, self._step.acquired
+        track = track_of(self._fitter, self._last, self._time, spread, acquired, self._aspect)
         self._last = track.shape
         if self._step.without_outline:
             return track
@@ -243,6 +242,7 @@ class Tracker(Copied, Generic[S]):
         if type(frame) is not Frame or self._arrays.count:
             frame = self._arrays.next(frame, self._frames)
         image, time, self._aspect = frame.image, frame.time, frame.pixel_aspect
+        self._fitter.take_rows(frame.rows)
         if image.shape != self._format or not time > self._time:
             check_follows(frame, self._format, self._time)
             self.color.check(image)

@@ -86,6 +86,7 @@ class BallSearch:
             Confirmed balls that are none of these, best first.
         """
         image = channels_last(frame.image)
+        self._fitter.take_rows(frame.rows)
         height, width = image.shape[:2]
         size = width, max(height // 2, 1)
         if self._searcher is None or self._searcher.size != size:

@@ -38,8 +38,8 @@ class StampedVideo(Video):
         return math.nan if recording is None else recording.stamp
 
     def go_to(self, index: int) -> bool:
-        """Go on with the picture of this index, if it is a folder of pictures; returns whether it is one."""
-        if not isinstance(self._source, ImageFolder):
+        """Go on with the picture of this index, if it is a folder of whole pictures; returns whether it is one."""
+        if self.fields != "frames" or not isinstance(self._source, ImageFolder):
             return False
         self._source.go_to(index)
         return True

@@ -18,7 +18,7 @@ from matchset.media.fields.interlace import Fields
 from matchset.media.opening import finite, name_of, open_source, view_of_source
 from matchset.media.streams.camera_settings import Settings, differences
 from matchset.media.streams.silence import Silence
-from matchset.media.upright.view import ANY, Wish
+from matchset.media.upright.view import ANY, WantedFields, Wish
 from matchset.media.video_files.video_file import VideoFile
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.words import one_line
@@ -148,7 +148,7 @@ class Video(NotCopied, Closing):
         mirror: bool = False,
         stream: int | None = None,
         damaged: bool | None = None,
-        fields: Literal["frames", "top", "bottom", "auto"] = "frames",
+        fields: WantedFields = "frames",
     ) -> None:
         """Open it; the thirteen parameters are those of all kinds of sources."""
         wish = Wish(square=square, turn=turn, mirror=mirror, stream=stream, damaged=damaged, fields=fields)

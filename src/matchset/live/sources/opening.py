@@ -64,7 +64,9 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     if source.origin == DEMO:
         return _video(source.name, str(demo_clip(stopped=opening.stopped)), opening)
     if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():
-        device = CameraDevice(source.origin, functools.partial(SetCamera, wish=Wish(**mounted.arguments)))
+        device = CameraDevice(
+            source.origin, functools.partial(SetCamera, wish=Wish(**mounted.arguments, fields=opening.view.fields))
+        )
         return CameraFeed(source.name, device, opening.news, opening.note, mounted)
     return _video(source.name, source.origin, opening)
 

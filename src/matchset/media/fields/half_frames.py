@@ -69,8 +69,8 @@ class HalfFrames:
         self.missing += 2 - sum(there)
         for k, rows in enumerate(self.order):
             if there[k]:
-                whole = self._newest is None or (k == 1 and there[0])
-                self._newest = image if whole else _woven(self._newest, image, PARITY[rows])
+                both = k == 1 and there[0]
+                self._newest = image if self._newest is None or both else woven(self._newest, image, PARITY[rows])
                 index = 2 * frame.index - self._begin + k
                 found.append(replace(frame, image=self._newest, time=self._time(frame, k), index=index, rows=rows))
         self._before = image
@@ -109,11 +109,11 @@ class HalfFrames:
         )
 
 
-def _woven(known: Image | None, image: Image, parity: int) -> Image:
+def woven(known: Image, image: Image, parity: int) -> Image:
     """Return a picture with the rows of a field anew."""
-    woven = np.array(image if known is None else known, order="C")
-    woven[parity::2] = image[parity::2]
-    return woven
+    both = np.array(known, order="C")
+    both[parity::2] = image[parity::2]
+    return both
 
 
 def _are_equal(field: Image, other: Image) -> bool:

@@ -9,7 +9,16 @@ import numpy.typing as npt
 from matchset.media.upright.orientation import AS_STORED, Orientation, check_turn
 from matchset.media.upright.square_pixels import is_credible, is_square, square_size, squared
 
-FIELDS = ("frames", "top", "bottom", "auto")  # format: what may be wanted of interlaced pictures
+WantedFields = Literal["frames", "top", "bottom", "auto"]
+FIELDS: tuple[WantedFields, ...] = ("frames", "top", "bottom", "auto")  # format: what may be wanted of interlaced video
+
+
+def checked_fields(fields: str) -> WantedFields:
+    """Return what is wanted of interlaced video; ValueError if there is no such thing."""
+    for known in FIELDS:
+        if fields == known:
+            return known
+    raise ValueError(f"fields must be one of {', '.join(FIELDS)}, got {fields!r}")
 
 
 class Wish(msgspec.Struct, frozen=True, kw_only=True):
@@ -41,7 +50,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
     mirror: bool = False
     stream: int | None = None
     damaged: bool | None = None
-    fields: Literal["frames", "top", "bottom", "auto"] = "frames"
+    fields: WantedFields = "frames"
 
     def __post_init__(self) -> None:
         check_turn(self.turn)
@@ -50,8 +59,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
                 raise ValueError(f"{name} must be True or False, got {getattr(self, name)!r}")
         if self.damaged is not None and not isinstance(self.damaged, bool):
             raise ValueError(f"damaged must be True, False or None, got {self.damaged!r}")
-        if self.fields not in FIELDS:
-            raise ValueError(f"fields must be one of {', '.join(FIELDS)}, got {self.fields!r}")
+        checked_fields(self.fields)
         number = self.stream
         if number is not None and (isinstance(number, bool) or not isinstance(number, int) or number < 0):
             raise ValueError(f"stream must be the number of a video stream, from 0, got {number!r}")

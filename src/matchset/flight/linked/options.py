@@ -68,6 +68,8 @@ DryRun = Annotated[
 ]
 Arm = Annotated[bool, typer.Option("--arm", help="Let the motors of a real vehicle turn, after a countdown.")]
 
+# format: options that a file of several followers has for each
+OF_ONE = ("camera_file", "fov", "focal_sigma", "color", "marker_color", "delay_ms", "timeout", "reconnect", "fields")
 NEEDED = "--camera-file camera.toml --color ball.npz --marker-color marker.npz"
 
 
@@ -121,9 +123,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
             return ()
         known = () if config is None else read_followers(config)
         if self.camera is None and self.link is None:
-            names = "camera_file", "fov", "focal_sigma", "color", "marker_color", "delay_ms", "timeout", "reconnect"
-            typed = [name for name in names if getattr(self, name) not in (None, [])]
-            typed += ["fields"] if self.fields is not None else []
+            typed = [name for name in OF_ONE if getattr(self, name) not in (None, [])]
             typed += ["turn"] if self.mounted.words else []
             if typed and known:
                 raise ValueError(f"--{typed[0].replace('_', '-')}: of several followers, write it into {config}")

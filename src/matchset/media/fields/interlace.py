@@ -25,6 +25,7 @@ Samples = npt.NDArray[np.float32]
 
 GREEN = 1  # format: channel of BGR that is most of the brightness
 BLOCK = 8  # format: rows of a field, and columns that are looked at, which move together or not
+TINY = 1e-9
 LEAST_ROWS = 2 * BLOCK + 2  # format: smaller pictures say nothing
 
 
@@ -103,17 +104,20 @@ class FieldEvidence:
             self._products += np.outer(found, found)
 
     def _combs(self, before: Samples, here: Samples) -> npt.NDArray[np.float64] | None:
-        """By how much one order combs less than the other, and both more than one frame; None where nothing moves."""
+        """By how much one order combs less than the other, and both more than one frame; None where nothing moves.
+
+        As shares of both: a pair of frames with a field that is missing or torn counts no more than another.
+        """
         limits = self.parameters
         even, odd, even_before, odd_before = here[0::2], here[1::2], before[0::2], before[1::2]
         changed = _of_blocks(np.abs(odd - odd_before) + np.abs(even - even_before))
         moves = changed > limits.motion * float(np.median(changed)) + limits.least_motion
-        count = int(np.count_nonzero(moves))
-        if count < limits.least_blocks:
+        if int(np.count_nonzero(moves)) < limits.least_blocks:
             return None
         one = 0.5 * (_comb(even, odd, moves) + _comb(even_before, odd_before, moves))
         top, bottom = _comb(even, odd_before, moves), _comb(even_before, odd, moves)
-        return np.array((bottom - top, 0.5 * (top + bottom) - one)) / count
+        found = np.array((bottom - top, 0.5 * (top + bottom) - one))
+        return found / max(float(np.abs(found).sum()), TINY)
 
     @property
     def verdict(self) -> Fields | None:

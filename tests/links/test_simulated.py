@@ -174,7 +174,8 @@ def test_half_frames_are_the_fields_of_the_same_pictures_as_soon_as_each_is_ther
             assert half.time == pytest.approx(frame.time + (2 * k - 1) / 120)
             assert halves.now() - half.time == pytest.approx(age, abs=1 / 480)
             np.testing.assert_array_equal(half.image[k::2], frame.image[k::2])
-        np.testing.assert_array_equal(half.image, frame.image)
+            if rows == "bottom":
+                np.testing.assert_array_equal(half.image, frame.image)
     whole.close()
     halves.close()
 

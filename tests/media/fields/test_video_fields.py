@@ -95,7 +95,7 @@ def test_a_missing_field_is_left_out_and_said(tmp_path: Path) -> None:
 def test_a_camera_upside_down_swaps_the_fields(interlaced: Path) -> None:
     pictures = pictures_of(ball_clip())
     for fields in ("top", "auto"):
-        with Video(interlaced, fields=fields, turn=180) as video:  # type: ignore[arg-type]
+        with Video(interlaced, fields=fields, turn=180) as video:
             frame = next(video)
             assert (video.fields, frame.rows) == ("top", "bottom")
         np.testing.assert_array_equal(frame.image[1::2], pictures[0][::-1, ::-1][1::2])

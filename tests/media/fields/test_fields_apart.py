@@ -1,5 +1,7 @@
 """Two half-frames of a frame: all its rows, each in the half-frame of its time, nothing mixed."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -72,7 +74,7 @@ def test_times_run_forward_whatever_the_stamps_do(gaps: list[float], later: bool
         assert found[-1] == pytest.approx(times[-1]) or found[-1] > times[-1]
 
 
-def with_rows(picture: npt.NDArray[np.uint8], parity: int, rows: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+def with_rows(picture: npt.NDArray[np.uint8], parity: int, rows: Any) -> npt.NDArray[np.uint8]:
     changed = picture.copy()
     changed[parity::2] = np.asarray(rows, np.uint8)
     return changed

@@ -92,6 +92,24 @@ def test_a_missing_field_is_left_out_and_said(tmp_path: Path) -> None:
         assert "2 fields missing in interlaced frames, left out" in video.warnings
 
 
+def test_an_order_that_changes_where_a_field_was_lost_is_followed(tmp_path: Path) -> None:
+    pictures, lost = pictures_of(ball_clip(frames=40)), 16
+    shifted = [picture.copy() for picture in pictures[:-1]]
+    for k in range(lost, len(shifted)):
+        shifted[k][0::2] = pictures[k + 1][0::2]  # even rows of the next one: the odd ones are the first
+    with Video(folder_of(tuple(shifted), tmp_path / "lost"), fields="auto") as video:
+        found = list(video)
+        (first, second) = video.warnings
+    assert first == "fields: the pictures are interlaced, the top field first"
+    changed = int(second.partition("from frame ")[2].partition(" ")[0])
+    assert second.endswith("on the bottom field comes first")
+    assert lost < changed < lost + 16
+    rows = [frame.rows for frame in found]
+    assert rows[: 2 * changed] == ["top", "bottom"] * changed
+    assert rows[2 * changed :] == ["bottom", "top"] * (len(shifted) - changed)
+    assert (np.diff([frame.time for frame in found]) > 0.0).all()
+
+
 def test_a_camera_upside_down_swaps_the_fields(interlaced: Path) -> None:
     pictures = pictures_of(ball_clip())
     for fields in ("top", "auto"):

@@ -12,6 +12,7 @@ WORDS: dict[Fields, str] = {
     "top": "interlaced, the top field first",
     "bottom": "interlaced, the bottom field first",
 }
+FIRST: dict[Fields, str] = {"top": "the top field", "bottom": "the bottom field"}
 STILL = (
     "fields: too little moves to tell whether the pictures are interlaced: whole frames are used, or say which is first"
 )
@@ -52,7 +53,7 @@ class FieldReader:
         self._waiting: deque[Frame] = deque()
         self._halves = None if given is None or given == "frames" else HalfFrames(given, fps)
         self._evidence = None if given == "frames" else FieldEvidence()
-        self._seen = 0
+        self._seen, self._watch = 0, FieldEvidence()
 
     @property
     def works(self) -> bool:
@@ -119,6 +120,8 @@ class FieldReader:
             self._look(self._evidence, frame)
         if self._halves is None:
             return frame
+        if self._given is None:
+            self._look_again(self._halves, frame)
         self._halves.later = self._by_arrival()
         found = self._halves.of(frame)
         if waits:
@@ -126,6 +129,17 @@ class FieldReader:
             found = found[-1:]
         self._waiting.extend(found[1:])
         return found[0]
+
+    def _look_again(self, halves: HalfFrames, frame: Frame) -> None:
+        """Look whether the other field has become the first, as behind a recorder that has lost one."""
+        self._watch.add(frame.image)
+        verdict = self._watch.verdict
+        if verdict is None and self._watch.pairs < DEFAULT.most_frames:
+            return
+        self._watch = FieldEvidence()
+        if verdict not in (None, "frames", halves.order[0]):
+            halves.begin_with("top" if verdict == "top" else "bottom")
+            self.notes.append(f"fields: from frame {frame.index} on {FIRST[self.fields]} comes first")
 
     def _look(self, evidence: FieldEvidence, frame: Frame) -> None:
         """Look whether frames are as somebody has said; or what they are, if nobody has."""

@@ -46,13 +46,17 @@ class HalfFrames:
     """
 
     def __init__(self, first: First, fps: float | None, begin: int = 0, later: bool = False) -> None:
-        self.order: tuple[First, First] = ("top", "bottom") if first == "top" else ("bottom", "top")
+        self.begin_with(first)
         self.missing, self.later = 0, later
         self._fps, self._begin = fps, begin
         self._times: deque[float] = deque(maxlen=INTERVALS + 1)
         self._newest: Image | None = None  # both fields as they are known
         self._before: Image | None = None  # the frame before
         self._last = -math.inf
+
+    def begin_with(self, first: First) -> None:
+        """Take this field for the first of the frames to come."""
+        self.order: tuple[First, First] = ("top", "bottom") if first == "top" else ("bottom", "top")
 
     def of(self, frame: Frame) -> list[Frame]:
         """Return the half-frames of a frame, the earlier field first; of one whose fields are missing only the other.

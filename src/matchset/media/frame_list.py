@@ -28,8 +28,8 @@ class StampedVideo(Video):
 
     @property
     def recording(self) -> VideoFile | None:
-        """The video file behind it; None if it is a folder or a bag."""
-        return self._source if isinstance(self._source, VideoFile) else None
+        """The video file of whose pictures the frames are; None if they are of a folder or a bag, or half-frames."""
+        return self._source if isinstance(self._source, VideoFile) and self.fields == "frames" else None
 
     @property
     def stamp(self) -> float:

@@ -157,3 +157,43 @@ def test_connect_opens_a_chain() -> None:
         assert link.status().state == "locked"
         assert link.chain.cameras[0].model.width == 160
     link.chain.close()
+
+
+def test_half_frames_are_the_fields_of_the_same_pictures_as_soon_as_each_is_there() -> None:
+    said = SimulationParameters(vehicles=2, width=160, height=120, latency_ms=100.0)
+    whole, halves = SimulatedChain(said), SimulatedChain(parse_uri("sim://chain?vehicles=2&width=160&height=120"
+                                                                  "&latency_ms=100&fields=top"))  # fmt: skip
+    camera, age = halves.cameras[0], 0.1 - 4 / 480
+    for index in range(1, 5):
+        frame = whole.cameras[0].read()
+        assert frame is not None
+        for k, rows in enumerate(("top", "bottom")):
+            half = camera.read()
+            assert half is not None
+            assert (half.index, half.rows) == (2 * index - 1 + k, rows)
+            assert half.time == pytest.approx(frame.time + (2 * k - 1) / 120)
+            assert halves.now() - half.time == pytest.approx(age, abs=1 / 480)
+            np.testing.assert_array_equal(half.image[k::2], frame.image[k::2])
+            if rows == "bottom":
+                np.testing.assert_array_equal(half.image, frame.image)
+    whole.close()
+    halves.close()
+
+
+@pytest.mark.parametrize(
+    ("more", "words"), [("pal=clean", "pal=clean is not interlaced"), ("quick=true", "no pictures")]
+)
+def test_half_frames_need_interlaced_pictures(more: str, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        parse_uri(f"sim://chain?fields=top&{more}")
+
+
+def test_half_frames_freeze_and_get_lost_as_pictures_do() -> None:
+    chain = SimulatedChain(
+        parse_uri("sim://chain?vehicles=2&width=160&height=120&fields=top&freeze=0.1&freeze_for=0.05")
+    )
+    frames = [chain.cameras[0].read() for _ in range(10)]
+    pictures = [frame.image for frame in frames if frame is not None]
+    assert all((a == b).all() for a, b in zip(pictures[5:7], pictures[4:6], strict=True))
+    assert not (pictures[8] == pictures[9]).all()
+    chain.close()

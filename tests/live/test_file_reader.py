@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from interlaced_videos import ball_clip, pictures_of
 from matchset.image.frame import Frame
 from matchset.media.exact_reader import (
     ExactReader,
@@ -177,3 +178,21 @@ def test_a_reading_can_be_interrupted_and_goes_on_where_it_was(tmp_path: Path) -
         assert len(asked) == 20
         np.testing.assert_array_equal(reader.frame(50).image, plain[50].image)
         assert len(asked) == 20 + 51 - 19  # not once more from the beginning
+
+
+def test_half_frames_are_read_again_in_any_order(tmp_path: Path) -> None:
+    path = tmp_path / "interlaced.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (320, 240))
+    for picture in pictures_of(ball_clip()):
+        writer.write(picture)
+    writer.release()
+    frames, plain = FrameList(), []
+    with StampedVideo(path, fields="top") as video:
+        for frame in video:
+            frames.append(frame, video.stamp)
+            plain.append(frame)
+    with ExactReader(lambda: StampedVideo(path, fields="top"), frames, JUMPS) as reader:
+        for place in (20, 3, 21, 10, 9, 0):
+            frame = reader.frame(place)
+            assert (frame.index, frame.time, frame.rows) == (place, plain[place].time, plain[place].rows)
+            np.testing.assert_array_equal(frame.image, plain[place].image)

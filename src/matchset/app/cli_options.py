@@ -104,6 +104,14 @@ StreamNumber = Annotated[
 Damaged = Annotated[
     bool, typer.Option("--damaged", help="Use pictures whose decoder reports errors, of a live source too.")
 ]
+FieldsName = Annotated[
+    str,
+    typer.Option(
+        "--fields",
+        metavar="frames|top|bottom|auto",
+        help="Of interlaced video: each field as a frame of its own time, the top one first or the bottom one.",
+    ),
+]
 Timeout = Annotated[
     float | None,
     typer.Option("--timeout", metavar="S", help="Of a camera or stream: the longest silence, s; 2 without it."),
@@ -157,19 +165,21 @@ class ViewOptions(msgspec.Struct, frozen=True, kw_only=True):
     stored_pixels: StoredPixels = False
     stream: StreamNumber = None
     damaged: Damaged = False
+    fields: FieldsName = "frames"
 
     @property
     def arguments(self) -> dict[str, Any]:
         """Arguments of `matchset.media.video.Video`."""
         own = {"square": not self.stored_pixels, "stream": self.stream, "damaged": True if self.damaged else None}
-        return self.mounted.arguments | own
+        return self.mounted.arguments | own | {"fields": self.fields}
 
     @property
     def words(self) -> tuple[str, ...]:
         """Those that were typed, for the next command."""
         stream = () if self.stream is None else ("--stream", str(self.stream))
+        fields = () if self.fields == "frames" else ("--fields", self.fields)
         flags = (("--stored-pixels", self.stored_pixels), ("--damaged", self.damaged))
-        return (*self.mounted.words, *stream, *(name for name, given in flags if given))
+        return (*self.mounted.words, *stream, *fields, *(name for name, given in flags if given))
 
 
 AS_IT_IS = ViewOptions()

@@ -25,6 +25,7 @@ from matchset.fitting.workspace import (
     workspace_dtype,
 )
 from matchset.image.color import ColorModel
+from matchset.image.frame import ROWS, Rows
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import compile_user_function, interpreted, kernel
 from matchset.numeric.record import Block, Record, fields, new_block, store
@@ -163,6 +164,7 @@ class Fitter(Copied, Generic[S]):
     ) -> None:
         check_family(family)
         self.family, self.points, self.uses_color = family, points, uses_color
+        self._rows: Rows = "all"
         self.parameters = parameters or FittingParameters()
         shape, where = family.from_coarse(0.0, 0.0, 1.0), places(family, points)
         self.has_corners = corners(shape) is not None
@@ -222,6 +224,11 @@ class Fitter(Copied, Generic[S]):
         if self.has_corners:
             work.fit_limits.start_noise = chosen.fit.sided_start_noise
         work.fit.pixel_noise = chosen.fit.initial_pixel_noise
+
+    def take_rows(self, rows: Rows) -> None:
+        """Take edge points from these rows of the pictures to come only, `Frame.rows`."""
+        if rows != self._rows:
+            self._rows, self.work.rows = rows, ROWS[rows]
 
     def fit(self, image: Image, color: ColorModel, start: Floats, window: SearchWindow) -> Estimate:
         """Fit the shape near a state.

@@ -100,14 +100,15 @@ def choose_criteria(work: Record) -> None:
     criteria.margin, criteria.threshold, criteria.full_step = margin, limits.threshold * full, limits.full_step * full
     criteria.min_contrast = 6.0 * margin * (limits.min_contrast * max(noise, 1.0)) ** 2  # of 2 margins, 3 channels
     apart = fields.comb_sigmas * max(work.iteration.noise, fields.comb_min_sigma)
-    criteria.per_field = abs(work.field_offset.expected[1]) > apart
+    criteria.per_field = work.rows > 0 or abs(work.field_offset.expected[1]) > apart
 
 
 @helper
 def _place_line(work: Record, i: Index, height: int, width: int) -> None:
     """Where line i runs, the offset of its first pixel and its offset per pixel.
 
-    Where the fields of an interlaced picture lie far apart, a line along a column reads one of them only.
+    Where the fields of an interlaced picture lie far apart, a line along a column reads one of them only. In a
+    half-frame every line reads rows of the new field only.
     """
     outline, runs, starts, margin = work.outline, work.runs, work.starts, work.criteria.margin
     x, y, nx, ny = outline[i, 0], outline[i, 1], outline[i, 2], outline[i, 3]
@@ -118,10 +119,12 @@ def _place_line(work: Record, i: Index, height: int, width: int) -> None:
     if not across:
         x, y, nx, ny = y, x, ny, nx
     size, other, rows, odd = (width, height, 1, 0) if across else (height, width, 1, 0)
-    fixed = int(y + ROUND) - SHIFT
+    fixed, half = int(y + ROUND) - SHIFT, work.rows
+    if half and across:  # the nearest row of this field
+        fixed = 2 * (int(0.5 * (y - half + 1) + ROUND) - SHIFT) + half - 1
     start, slant = x - (fixed - y) * ny / nx, abs(nx)
     if work.criteria.per_field and not across:
-        rows, odd = 2, int(i) & 1
+        rows, odd = 2, half - 1 if half else int(i) & 1
         start, slant, size = 0.5 * (start - odd), 2.0 * slant, (size + 1 - odd) >> 1
     nearest = int(start + ROUND) - SHIFT
     span = min(int(work.criteria.range_px / slant) + 1 + margin, MAX_PIXELS // 2 - 2)

@@ -324,7 +324,8 @@ def robust_fit(work: Record) -> None:
     ----------
     work : record
         Reads `outline` and `edges`, `start` and the motion's prior, `iteration`: half-width, noise of the last fit and
-        noise to begin with; `window.speed`: below `FieldParameters.min_speed` the fields are one; `field_offset`. The
+        noise to begin with; `window.speed`: below `FieldParameters.min_speed` the fields are one, and in a half-frame
+        there is one only, `rows`; `field_offset`. The
         fit of a field offset begins where that was expected: begun at 0 it would take one of the fields for the whole
         and the other for outliers.
 
@@ -333,7 +334,8 @@ def robust_fit(work: Record) -> None:
         fit is possible, and the largest change of a number of the state.
     """
     n, s, free, iteration = work.line_count, work.state_count, work.parameter_count, work.iteration
-    p = s + 2 if work.window.speed > work.field_limits.min_speed else s
+    fields_apart = work.rows == 0 and work.window.speed > work.field_limits.min_speed
+    p = s + 2 if fields_apart else s
     state, step, a, b = work.state, work.step, work.normal[: p * p], work.normal[p * p :]
     enough = _prepare_choice(work, n) >= p
     scale = total = 0.0

@@ -116,7 +116,8 @@ class EdgeCriteria(NamedTuple):
     min_contrast : float
         Squared contrast that noise alone can have: an edge point without a firm step in color must stand out of it.
     per_field : bool
-        Whether the fields of an interlaced picture lie so far apart that a line along a column must keep to one.
+        Whether a line along a column must keep to one field: those of an interlaced picture lie far apart, or one of
+        them is the half-frame that was taken now.
     """
 
     range_px: float
@@ -171,13 +172,17 @@ class Motion:
 
 
 class Scalars:
-    """What does not depend on the capacity: sizes, the classes above, and the parameters as they are for the family."""
+    """What does not depend on the capacity: sizes, the classes above, and the parameters as they are for the family.
+
+    `rows`: of the picture, that are of its time: 0: all; 1: the even ones, 2: the odd ones of a half-frame.
+    """
 
     line_count: int
     state_count: int
     parameter_count: int
     place_columns: int
     start_half_width: float
+    rows: int
     fit: FitStatistics
     window: SearchWindow
     iteration: Iteration

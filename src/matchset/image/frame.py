@@ -2,6 +2,7 @@
 
 import math
 import time
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -11,6 +12,8 @@ from matchset.image.display.png import png_of
 from matchset.numeric.arguments import check_number
 from matchset.numeric.words import one_line, short
 
+Rows = Literal["all", "top", "bottom"]
+ROWS: dict[Rows, int] = {"all": 0, "top": 1, "bottom": 2}  # format: rows of a frame's time, as kernels are told them
 BYTES = np.dtype(np.uint8)  # made once: to make it costs more than all else that is checked
 
 
@@ -31,11 +34,14 @@ class Frame(msgspec.Struct, frozen=True):
         Whether the decoder reported errors in it, or in a picture that it was made from: parts may be smeared or old.
     pixel_aspect : float
         Width of a pixel in its heights, as `Video.pixel_aspect`: where it is not 1 a ball is no circle.
+    rows : str
+        Which rows were taken at its time: "all"; or "top", the even ones, or "bottom", the odd ones, of a half-frame,
+        whose other rows still hold the field before.
 
     Raises
     ------
     ValueError
-        If the picture is not uint8, has another shape or no pixels, or the time is not finite.
+        If the picture is not uint8, has another shape or no pixels, the time is not finite, or there are no such rows.
     TypeError
         If the time is no number.
     """
@@ -45,11 +51,14 @@ class Frame(msgspec.Struct, frozen=True):
     index: int = 0
     damaged: bool = False
     pixel_aspect: float = 1.0
+    rows: Rows = "all"
 
     def __post_init__(self) -> None:
         check_image(self.image)
         if type(self.time) is not float:
             check_number(f"the time of frame {self.index}", self.time)
+        if self.rows not in ROWS:
+            raise ValueError(f"rows of a frame are all, top or bottom, got {self.rows!r}")
         if not math.isfinite(self.time):
             raise ValueError(f"the time of frame {self.index} must be finite, got {self.time}")
 
@@ -57,8 +66,8 @@ class Frame(msgspec.Struct, frozen=True):
     def __repr__(self) -> str:
         height, width = self.image.shape[:2]
         kind = "BGR" if self.image.ndim == 3 else "gray"
-        damaged = ", damaged" if self.damaged else ""
-        return f"Frame({width} x {height} {kind}, {short(self.time)} s, index {self.index}{damaged})"
+        more = (", damaged" if self.damaged else "") + (f", {self.rows} rows" if self.rows != "all" else "")
+        return f"Frame({width} x {height} {kind}, {short(self.time)} s, index {self.index}{more})"
 
     def _repr_png_(self) -> bytes:
         """Show the picture in a notebook."""

@@ -66,6 +66,8 @@ class PictureTimes(msgspec.Struct, frozen=True, kw_only=True):
     seed : int
     exposed : int
         Steps of the world from the middle of a picture to the end of its exposure: no picture comes before.
+    after : int
+        Steps by which half-frames are taken later than their number says: the first is the earlier field of frame 1.
     """
 
     fps: int
@@ -75,6 +77,7 @@ class PictureTimes(msgspec.Struct, frozen=True, kw_only=True):
     lost: float = 0.0
     seed: int = 0
     exposed: int = FIELD
+    after: int = 0
 
     def delivered(self, index: int) -> int:
         """Step of the world at which a picture has been processed; after its exposure at the earliest."""
@@ -83,7 +86,7 @@ class PictureTimes(msgspec.Struct, frozen=True, kw_only=True):
 
     def stamp(self, index: int) -> float:
         """Time that a picture is stamped with, s."""
-        return RATE // self.fps * index / RATE + (self.latency - self.told + self._late(index))
+        return (RATE // self.fps * index + self.after) / RATE + (self.latency - self.told + self._late(index))
 
     def is_lost(self, who: int, index: int) -> bool:
         """Whether a follower's picture does not come."""

@@ -13,11 +13,13 @@ import numpy.typing as npt
 from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
 from matchset.image.errors import LinkError
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, Rows
 from matchset.links.link import Link, LinkStatus, State
 from matchset.links.simulation_parameters import SCHEME, STEPS_PER_FRAME, SimulationParameters
+from matchset.media.fields.half_frames import woven
 from matchset.shapes.circle import Circle
-from matchset.sim.cameras import WorldCameras
+from matchset.sim.cameras import FIELD, WorldCameras
+from matchset.sim.conditions.exposures import half_exposure
 from matchset.sim.conditions.outlines import BallOutline, OutlineCameras
 from matchset.sim.on_board.radio import quantized
 from matchset.sim.vehicle import VehiclePose
@@ -56,6 +58,7 @@ class SimulatedChain:
         self.images = self._make_images()
         self.images.hide_balls(self.parameters.hidden, self.parameters.hidden_every)
         self._faults, self._times = self.parameters.picture_faults, self.parameters.picture_times
+        self._exposed = FIELD + half_exposure(self.parameters.conditions.blur_ms, RATE)  # from the middle to the end
         self._pool = ThreadPoolExecutor(2)
         self._jobs: dict[tuple[int, int], Future[Seen]] = {}
         self.outlines: dict[int, BallOutline | Lost[Circle]] = {}
@@ -86,42 +89,57 @@ class SimulatedChain:
         Frame or None
             None after the cable was pulled, and if the picture was lost.
         """
-        taken = STEPS_PER_FRAME * index
         self.world.advance(self._times.delivered(index))
-        newest = (self.world.step - self._times.exposed) // STEPS_PER_FRAME  # rendered ahead by the threads
-        for wanted in range(index, max(newest, index) + 1):
+        newest = (self.world.step - self._exposed) // STEPS_PER_FRAME  # drawn ahead by the threads
+        first = self._frame(index)
+        for wanted in range(first, max(newest, first) + 1):
             if wanted * STEPS_PER_FRAME / RATE >= self.parameters.cable:
                 break
             for other in range(len(self.cameras)):
                 if (other, wanted) not in self._jobs:
                     self._jobs[other, wanted] = self._take(other, STEPS_PER_FRAME * wanted)
-        if taken / RATE >= self.parameters.cable:
+        if first * STEPS_PER_FRAME / RATE >= self.parameters.cable:
             return None
         shown = self._faults.shown(index)
-        seen = self._jobs[who, shown].result()
-        oldest = self._faults.oldest(index - 1)
+        seen, rows = self._seen(who, shown)
+        oldest = self._frame(self._faults.oldest(index - 1)) - (rows != "all")
         for key in [key for key in self._jobs if key[0] == who and key[1] < oldest]:
             del self._jobs[key]
         if self._times.is_lost(who, index):
             return None
         if isinstance(seen, np.ndarray):
-            return Frame(seen, self._times.stamp(index), index)
+            return Frame(seen, self._times.stamp(index), index, rows=rows)
         self.outlines[who] = seen
         return Frame(number_plate(shown), self._times.stamp(index), index)
+
+    def _frame(self, index: int) -> int:
+        """Return the number of the whole frame that a picture is, or that a half-frame is of."""
+        return index if self.parameters.fields == "frames" else (index + 1) // 2
+
+    def _seen(self, who: int, index: int) -> tuple[Seen, Rows]:
+        """Return what a picture shows, and which of its rows are new."""
+        frame = self._frame(index)
+        seen = self._jobs[who, frame].result()
+        if self.parameters.fields == "frames" or not isinstance(seen, np.ndarray):
+            return seen, "all"
+        if index % 2 == 0:
+            return seen, "bottom"
+        before = self._jobs[who, frame - 1].result() if (who, frame - 1) in self._jobs else seen
+        return woven(before, seen, 0) if isinstance(before, np.ndarray) else seen, "top"
 
     def beyond(self, who: int, index: int) -> BallOutline | Lost[Circle]:
         """Find the next-but-one ball in a picture of a quick chain."""
         if isinstance(self.images, WorldCameras):
             raise ValueError("the next-but-one ball is found without pictures only")
-        return self.images.outline_beyond(who, STEPS_PER_FRAME * self._faults.shown(index))
+        return self.images.outline_beyond(who, self.parameters.exposed(self._faults.shown(index)))
 
     def truth(self, index: int | None = None) -> tuple[VehiclePose, ...]:
         """Return the poses of all vehicles now, or when the pictures of an index were taken."""
-        return tuple(self.world.poses(self.world.step if index is None else STEPS_PER_FRAME * index))
+        return tuple(self.world.poses(self.world.step if index is None else self.parameters.exposed(index)))
 
     def inside(self, who: int, index: int) -> bool:
         """Whether the center of the neighbor's ball was in a camera's picture and not hidden on purpose."""
-        return self.images.shows_ball(who, STEPS_PER_FRAME * index)
+        return self.images.shows_ball(who, self.parameters.exposed(index))
 
     def sample(self, who: int) -> Frame:
         """Return a picture of a ball held 1 m before a camera, to learn the colors from."""

@@ -86,6 +86,9 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         nothing can be taken for a ball that is none.
     noise : OutlineNoise
         Of these.
+    fields : str
+        "frames"; or "top": the grabbers deliver each field of an interlaced link as soon as it is there, as a
+        half-frame of its own time, 60 a second. `latency_ms` still counts from the middle of a whole frame's exposure.
     """
 
     vehicles: int = 3
@@ -117,6 +120,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     speed_control: SpeedControlParameters = SpeedControlParameters()
     quick: bool = False
     noise: OutlineNoise = OutlineNoise()
+    fields: Literal["frames", "top"] = "frames"
 
     def __post_init__(self) -> None:
         require_within(
@@ -148,9 +152,21 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         self.conditions.rope(RopeParameters(swing=self.swing))  # refuses one that is too short for its swing
         if self.pal not in PRESETS:
             raise ValueError(f"pal must be one of {', '.join(PRESETS)}, got {self.pal!r}")
+        if self.fields != "frames" and (self.quick or not PRESETS[self.pal].interlaced):
+            lacks = "a quick chain has no pictures" if self.quick else f"pal={self.pal} is not interlaced"
+            raise ValueError(f"fields={self.fields} needs interlaced pictures, and {lacks}")
         model, size = self.model, f"{self.width} x {self.height}"
         if model is not None and (model.width, model.height) != (self.width, self.height):
             raise ValueError(f"width and height are {size}, but the camera is for {model.width} x {model.height} px")
+
+    @property
+    def fps(self) -> int:
+        """Pictures a second: frames, or half-frames."""
+        return FPS if self.fields == "frames" else 2 * FPS
+
+    def exposed(self, index: int) -> int:
+        """Step of the world at which a picture, from 1, has the middle of its exposure; of a half-frame its field's."""
+        return RATE // self.fps * index + (0 if self.fields == "frames" else FIELD)
 
     def chain(self, place: RelativeSetpoint) -> ChainParameters:
         """Return the parameters of the world.
@@ -174,7 +190,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     def picture_faults(self) -> PictureFaults:
         """Which pictures the grabbers deliver."""
         return PictureFaults(
-            fps=FPS,
+            fps=self.fps,
             freeze=self.freeze,
             freeze_for=self.freeze_for,
             stale=self.stale,
@@ -186,14 +202,16 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     def picture_times(self) -> PictureTimes:
         """When pictures are delivered, what their time stamps say, and which do not come."""
         told, conditions = self.conditions.told_latency_ms, self.conditions
+        half = self.fields != "frames"  # drawn with the other field of its frame, which ends 3 fields later
         return PictureTimes(
-            fps=FPS,
+            fps=self.fps,
             latency=1e-3 * self.latency_ms,
             told=1e-3 * (self.latency_ms if told is None else told),
             jitter=1e-3 * conditions.jitter_ms,
             lost=conditions.frames_lost,
             seed=self.seed,
-            exposed=FIELD + half_exposure(conditions.blur_ms, RATE),
+            exposed=(3 * FIELD if half else FIELD) + half_exposure(conditions.blur_ms, RATE),
+            after=FIELD if half else 0,
         )
 
     @property

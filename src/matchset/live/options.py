@@ -5,7 +5,7 @@ from typing import Annotated
 import msgspec
 import typer
 
-from matchset.app.cli_options import StreamNumber, TurnOptions
+from matchset.app.cli_options import FieldsName, StreamNumber, TurnOptions
 
 Source = Annotated[
     str | None,
@@ -35,3 +35,4 @@ class LiveOptions(msgspec.Struct, frozen=True, kw_only=True):
     pick: Pick = None
     mounted: TurnOptions = TurnOptions()
     stream: StreamNumber = None
+    fields: FieldsName = "frames"

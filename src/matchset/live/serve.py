@@ -45,8 +45,9 @@ def serve(options: LiveOptions) -> int:
         check_source(given)
     point = None if options.pick is None else point_of(options.pick)
     check_turn(options.mounted.turn, "--turn")
-    if options.source is None and (options.mounted.words or options.stream is not None):
-        raise ValueError("--turn, --mirror and --stream belong to a source: name one")
+    view = ViewOptions(mounted=options.mounted, stream=options.stream, fields=options.fields)
+    if options.source is None and view.words:
+        raise ValueError("--turn, --mirror, --stream and --fields belong to a source: name one")
     listener, port = listen("0.0.0.0" if options.lan else "127.0.0.1", options.port)
     if options.port and port != options.port:
         print(f"note: port {options.port} is in use; this is {port}", file=sys.stderr)
@@ -55,7 +56,6 @@ def serve(options: LiveOptions) -> int:
     compiling, recorder = CompilingPanel(), PageRecorder()
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
     compiling.ready = session.go_on
-    view = ViewOptions(mounted=options.mounted, stream=options.stream)
     desk, viewers = ViewerContext(session, PictureEncoder(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:
         stop = opened.enter_context(StopRequest())

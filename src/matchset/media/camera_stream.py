@@ -192,6 +192,11 @@ class LiveSource:
             self._newest = None
             return frame
 
+    @property
+    def waits(self) -> bool:
+        """Whether there is a frame that was not yet read."""
+        return self._newest is not None
+
     def newest(self, limit: float) -> Frame | None:
         """Newest frame not yet read; None if there is none within a time, s. LinkError once the camera has failed."""
         with self._news:

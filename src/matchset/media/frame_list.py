@@ -28,8 +28,8 @@ class StampedVideo(Video):
 
     @property
     def recording(self) -> VideoFile | None:
-        """The video file behind it; None if it is a folder or a bag."""
-        return self._source if isinstance(self._source, VideoFile) else None
+        """The video file of whose pictures the frames are; None if they are of a folder or a bag, or half-frames."""
+        return self._source if isinstance(self._source, VideoFile) and self.fields == "frames" else None
 
     @property
     def stamp(self) -> float:
@@ -38,8 +38,8 @@ class StampedVideo(Video):
         return math.nan if recording is None else recording.stamp
 
     def go_to(self, index: int) -> bool:
-        """Go on with the picture of this index, if it is a folder of pictures; returns whether it is one."""
-        if not isinstance(self._source, ImageFolder):
+        """Go on with the picture of this index, if it is a folder of whole pictures; returns whether it is one."""
+        if self.fields != "frames" or not isinstance(self._source, ImageFolder):
             return False
         self._source.go_to(index)
         return True

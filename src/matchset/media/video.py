@@ -1,26 +1,25 @@
 """Where frames come from: `Video`, a file, a folder of pictures, a bag of ROS, a camera or a stream."""
 
-import math
-import os
-import re
+import functools
 import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from msgspec.structs import replace
 
 from matchset.image.frame import Frame
-from matchset.media.bags.bag import Bag, is_bag
+from matchset.media.bags.bag import Bag
 from matchset.media.camera_stream import LiveSource
 from matchset.media.closing import Closing
+from matchset.media.fields.field_choice import FieldChoice
+from matchset.media.fields.field_reader import FieldReader
+from matchset.media.fields.interlace import Fields
+from matchset.media.opening import finite, name_of, open_source, view_of_source
 from matchset.media.streams.camera_settings import Settings, differences
 from matchset.media.streams.silence import Silence
-from matchset.media.upright.orientation import AS_STORED
-from matchset.media.upright.view import ANY, View, Wish, view_of
-from matchset.media.video_files.image_folder import ImageFolder, is_picture
+from matchset.media.upright.view import ANY, WantedFields, Wish
 from matchset.media.video_files.video_file import VideoFile
-from matchset.numeric.arguments import check_number
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.words import one_line
 
@@ -71,6 +70,12 @@ class Video(NotCopied, Closing):
         whose packets were lost; such a frame has `Frame.damaged`. By default those of files are, those of live
         sources are left out. It is known where PyAV decodes (the extra ``av``); a file is decoded by it if this is
         given.
+    fields : str, default "frames"
+        Of interlaced video, whose frames have two fields taken half a frame apart: "top" (the even rows are the first)
+        or "bottom" hand out each field as a frame of its own time, `Frame.rows`: half the age, twice the rate. Its
+        picture is as large as before; the rows of the other field are those from before, nothing is interpolated.
+        "auto" finds out from the pictures, as `warnings` say: those that are not interlaced, or do not move enough to
+        tell, come as whole frames; of a live source until they do.
 
     Attributes
     ----------
@@ -81,7 +86,9 @@ class Video(NotCopied, Closing):
     channels : int
         3 for color, 1 for gray.
     fps : float or None
-        Frames per second as far as known.
+        Frames per second as far as known; half-frames count as frames here and everywhere.
+    fields : str
+        "frames", or which field is the first of those that are handed out one by one: "top" or "bottom".
     length : int or None
         Number of frames that a file announces or a folder holds; None when live or unknown. Only MP4, MOV and AVI
         files count their frames; of others it is estimated from duration and rate.
@@ -141,12 +148,13 @@ class Video(NotCopied, Closing):
         mirror: bool = False,
         stream: int | None = None,
         damaged: bool | None = None,
+        fields: WantedFields = "frames",
     ) -> None:
-        """Open it; the twelve parameters are those of all kinds of sources."""
-        wish = Wish(square=square, turn=turn, mirror=mirror, stream=stream, damaged=damaged)
+        """Open it; the thirteen parameters are those of all kinds of sources."""
+        wish = Wish(square=square, turn=turn, mirror=mirror, stream=stream, damaged=damaged, fields=fields)
         silence = Silence(timeout, reconnect, note).checked()
         wishes = {"exposure": exposure, "white_balance": white_balance, "fps": fps}
-        asked = {name: _finite(name, value) for name, value in wishes.items() if value is not None}
+        asked = {name: finite(name, value) for name, value in wishes.items() if value is not None}
         if fps is not None and not fps > 0.0:
             raise ValueError(f"fps must be positive, got {fps}")
         self._start(source, asked, silence, topic, wish)
@@ -155,9 +163,9 @@ class Video(NotCopied, Closing):
         self, source: int | str | Path, asked: dict[str, float], silence: Silence, topic: str | None, wish: Wish = ANY
     ) -> None:
         """Open the source with settings of `streams.camera_settings.PROPERTIES`."""
-        self._name, self._closed, self._ended = _name(source), False, False
+        self._name, self._closed, self._ended = name_of(source), False, False
         self._given, self._asked, self._wish = source, asked, wish
-        self._source = _open(source, self._name, silence, asked, topic, wish)
+        self._source = open_source(source, self._name, silence, asked, topic, wish)
         self.topic = self._source.topic if isinstance(self._source, Bag) else None
         self.settings: Settings
         self.reconnect = self._source.reconnect if isinstance(self._source, LiveSource) else 0.0
@@ -166,17 +174,39 @@ class Video(NotCopied, Closing):
         else:  # reported, not refused: what ran live can be replayed from a file as it stands
             self.settings = {name: (value, None) for name, value in asked.items() if name != "fps"}
         self._keeps_damaged = not self._source.live if wish.damaged is None else wish.damaged
-        self._view, self.pixel_aspect = _view_of(self._source, wish)
+        self._view, self.pixel_aspect = view_of_source(self._source, wish)
         self._shape = self._view.shape(self._source.shape)
         self.height, self.width = self._shape[:2]
         self.channels = 3 if len(self._shape) == 3 else 1
         self.fps, self.length, self.live = self._source.fps, self._source.length, self._source.live
+        self.fields: Fields = "frames"
+        self._reader = FieldReader("frames", None)
         self._finalizer = weakref.finalize(self, self._source.close)
+        if wish.fields != "frames":
+            self._take_apart(wish.fields)
+
+    def _take_apart(self, wanted: Literal["top", "bottom", "auto"]) -> None:
+        """Hand out half-frames if that is wanted and the pictures are interlaced."""
+        source, file = self._source, self._source if isinstance(self._source, VideoFile) else None
+        choice = FieldChoice(wanted, self._view if file is None else file.view, self.height)
+        if choice.looks and not self.live:
+            with Video(self._given, **self._opening()) as frames:
+                choice.look(frames)
+        stated = None if file is None else file.stated
+        self._reader = choice.reader(source.fps, stated, lambda: self.live and not self.stamped)
+        self._count_fields()
+
+    def _count_fields(self) -> None:
+        """Count half-frames from now on, if those are handed out."""
+        self.fields = self._reader.fields
+        if self.fields != "frames":
+            self.fps = None if self.fps is None else 2.0 * self.fps
+            self.length = None if self.length is None else 2 * self.length
 
     @property
     def dropped(self) -> int:
         """Frames of a live source that nobody asked for in time."""
-        return self._source.dropped
+        return self._source.dropped + self._reader.left_out
 
     @property
     def broken(self) -> int:
@@ -201,7 +231,7 @@ class Video(NotCopied, Closing):
     @property
     def warnings(self) -> list[str]:
         """What is not as it should be, so far."""
-        words = [*differences(self.settings), *self._view.notes, *self._source.warnings]
+        words = [*differences(self.settings), *self._view.notes, *self._source.warnings, *self._reader.warnings]
         if self.broken:
             words.append(f"{self.broken} broken frame{'s' * (self.broken > 1)} skipped")
         if self.damaged:
@@ -217,12 +247,12 @@ class Video(NotCopied, Closing):
     def __next__(self) -> Frame:
         if self._closed:
             raise ValueError(f"{self._name} is closed")
-        frame = None if self._ended else self._source.read()
+        frame = None if self._ended else self._take(self._source.read)
         if frame is None:
             self._ended = True
             self._source.close()
             raise StopIteration
-        return self._checked(frame)
+        return frame
 
     def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
         """Yield the frames, as iterating does, until they end or somebody wants to stop.
@@ -238,10 +268,11 @@ class Video(NotCopied, Closing):
             As iterating does.
         """
         while not stopped():
-            if self._closed or not isinstance(self._source, LiveSource):
+            source = self._source
+            if self._closed or not isinstance(source, LiveSource):
                 frame = next(self, None)
-            elif (frame := self._source.read(stopped)) is not None:
-                frame = self._checked(frame)
+            else:
+                frame = self._take(functools.partial(source.read, stopped))
             if frame is None:
                 return
             yield frame
@@ -270,8 +301,17 @@ class Video(NotCopied, Closing):
             raise ValueError(f"{self._name} is closed")
         if not isinstance(self._source, LiveSource):
             raise ValueError(f"{self._name} is not live: its frames come one after the other, by next()")
-        frame = self._source.newest(wait)
-        return None if frame is None else self._checked(frame)
+        return self._take(functools.partial(self._source.newest, wait))
+
+    def _take(self, read: Callable[[], Frame | None]) -> Frame | None:
+        """Return the next frame, or half-frame, of what reads the source; None if there is none."""
+        if not self._reader.works:
+            return None if (frame := read()) is None else self._checked(frame)
+        waits = isinstance(self._source, LiveSource) and self._source.waits
+        frame = self._reader.take(lambda: None if (whole := read()) is None else self._checked(whole), waits)
+        if self._reader.fields != self.fields:
+            self._count_fields()
+        return frame
 
     def _checked(self, frame: Frame) -> Frame:
         """Return a frame in the view of this video; one of another shape than those before is refused (ValueError)."""
@@ -297,7 +337,7 @@ class Video(NotCopied, Closing):
     def _opening(self) -> dict[str, Any]:
         """Return the parameters with which the same pictures are opened again."""
         view = {name: getattr(self._wish, name) for name in self._wish.__struct_fields__}
-        return {"fps": self._asked.get("fps"), "topic": self.topic, **view}
+        return {"fps": self._asked.get("fps"), "topic": self.topic, **view, "fields": self.fields}
 
     def __len__(self) -> int:
         """Return `length`; TypeError where it is not known."""
@@ -320,72 +360,6 @@ class Video(NotCopied, Closing):
         """Let go of the file or device; its thread has ended afterwards. More than once does no harm."""
         self._closed = True
         self._finalizer()
-
-
-def _finite(name: str, value: float) -> float:
-    check_number(name, value)
-    if not math.isfinite(value):
-        raise ValueError(f"{name} must be finite, got {value}")
-    return float(value)
-
-
-def _name(source: int | str | Path) -> str:
-    """Name the source in messages, without the password a URL may hold."""
-    if isinstance(source, bool) or not isinstance(source, int | str | os.PathLike) or source == "":
-        raise ValueError(f"a video is a path, a camera number or a URL, got {source!r}")
-    text = str(source)
-    if isinstance(source, int) or _is_number(text):
-        return f"camera {int(text)}"
-    return re.sub(r"://[^/]*@", "://", text)
-
-
-def _is_number(text: str) -> bool:
-    return re.fullmatch(r"[0-9]+", text) is not None
-
-
-def _open(
-    source: int | str | Path, name: str, silence: Silence, asked: dict[str, float], topic: str | None, wish: Wish
-) -> LiveSource | ImageFolder | VideoFile | Bag:
-    """Choose the kind of source."""
-    text = str(source)
-    path = None if isinstance(source, int) or _is_stream(source) else Path(source)
-    if path is not None and is_bag(path):
-        _check_no_stream(wish, name)
-        return Bag(path, topic, asked.get("fps"), wish.damaged is not False)
-    if topic is not None:
-        raise ValueError(f"a topic belongs to a bag (.bag, .db3, .mcap, or a folder of a ROS 2 bag), not to {name}")
-    if isinstance(source, int) and source < 0:
-        raise ValueError(f"a camera number must not be negative, got {source}")
-    if path is None or path.is_char_device():
-        _check_no_stream(wish, name)
-        return LiveSource(int(text) if _is_number(text) else text, name, silence, asked, wish.damaged is True)
-    if path.is_dir() or (path.is_file() and is_picture(path)):
-        _check_no_stream(wish, name)
-        return ImageFolder(path, asked.get("fps"))
-    return VideoFile(path, asked.get("fps"), wish)
-
-
-def _check_no_stream(wish: Wish, name: str) -> None:
-    """Refuse a number of a stream for what has none (ValueError)."""
-    if wish.stream is not None:
-        raise ValueError(f"a stream is one of those of a video file, not of {name}: got {wish.stream}")
-
-
-def _view_of(source: LiveSource | ImageFolder | VideoFile | Bag, wish: Wish) -> tuple[View, float]:
-    """Return what is still to be done to the pictures of a source, and the width of their pixels, in heights."""
-    if isinstance(source, VideoFile):  # puts them into its view itself
-        return View(), source.view.pixel_aspect
-    height, width = source.shape[:2]
-    ratio = source.pixel_ratio if isinstance(source, LiveSource) else (0.0, 0.0)
-    view = view_of(ratio, AS_STORED, (width, height), wish)
-    return view, view.pixel_aspect
-
-
-def _is_stream(source: str | Path) -> bool:
-    """Whether a source is a camera's number or a URL; a `Path` never is."""
-    if not isinstance(source, str):
-        return False
-    return _is_number(source) or re.match(r"(?!file:)[A-Za-z][A-Za-z0-9+.-]*://", source) is not None
 
 
 def _described(shape: tuple[int, ...]) -> str:

@@ -81,6 +81,7 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
     detector = _detector(
         family, image.shape[1], image.shape[0], max(search.candidates, limit + limit // 5), _radius_of(color)
     )
+    detector.fitter.take_rows(frame.rows)
     last: S | None = None
     found: list[tuple[float, Track[S]]] = []
     sure = False

@@ -96,7 +96,6 @@ class Tracker(Copied, Generic[S]):
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
-        self._time: float
         self._forget_frames()
         self._start = self._hint
         self._make_derived()
@@ -108,8 +107,8 @@ class Tracker(Copied, Generic[S]):
 
     @one_line
     def __repr__(self) -> str:
-        words = f"{self._family.__name__}, {self._fitter.points} points, {self.mode.name.lower()}"
-        return f"Tracker({words}, {self._frames} frames)"
+        how = f"{self._fitter.points} points, {self.mode.name.lower()}, {self._frames} frames"
+        return f"Tracker({self._family.__name__}, {how})"
 
     def start(self, shape: S, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -132,8 +131,7 @@ class Tracker(Copied, Generic[S]):
         sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
         initialize(self._fitter.work, shape.state, self._time, sigma)
         motion.velocity[:2], motion.size_count = checked_point("the velocity", velocity), 0.0
-        self._initial, self._last, self.step.acquired = shape, shape, None
-        self.mode = Mode.TRACKING
+        self._initial, self._last, self.step.acquired, self.mode = shape, shape, None, Mode.TRACKING
 
     def restart(self, hint: tuple[float, float] | S | None = None, *, same_camera: bool = False) -> None:
         """Begin anew, as a new tracker would, without making or compiling anything.
@@ -213,9 +211,8 @@ class Tracker(Copied, Generic[S]):
         elif self.mode is Mode.COASTING:
             self.step.note_acquired(image, self.color, self._time)
         self.mode = Mode.TRACKING
-        track = track_of(
-            self._fitter, self._last, self._time, self.step.outlines.spread, self.step.acquired, self._aspect
-        )
+        spread, acquired = self.step.outlines.spread, self.step.acquired
+        track = track_of(self._fitter, self._last, self._time, spread, acquired, self._aspect)
         self._last = track.shape
         if self.step.without_outline:
             return track
@@ -245,6 +242,7 @@ class Tracker(Copied, Generic[S]):
         if type(frame) is not Frame or self._arrays.count:
             frame = self._arrays.next(frame, self._frames)
         image, time, self._aspect = frame.image, frame.time, frame.pixel_aspect
+        self._fitter.take_rows(frame.rows)
         if image.shape != self._format or not time > self._time:
             check_follows(frame, self._format, self._time)
             self.color.check(image)

@@ -223,3 +223,31 @@ def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float
     for _ in range(2):  # found, then followed
         (marker,) = finder.update(both, whole)
         assert math.dist((marker.shape.x, marker.shape.y), np.mean(places, axis=0).tolist()) < 0.3
+
+
+@pytest.mark.parametrize("moved", [(0.0, 14.0), (6.0, -9.0), (-8.0, 0.0)])
+def test_a_marker_in_half_frames_is_where_the_new_rows_show_it(moved: tuple[float, float]) -> None:
+    turn, pictures, balls, places = looking(15.0, 40.0), [], [], []
+    for k in range(4):
+        place = PLACE + k * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*moved, 0.0))
+        flight = BallFlightClip(
+            camera=PINHOLE, place=_resting(place), turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
+            preset="clean",
+        )  # fmt: skip
+        frame = next(iter(flight))
+        tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=tuple(PINHOLE.project(place[np.newaxis])[0].tolist()))
+        ball = tracker.update(frame)
+        (marker,) = ms.MarkerTracker(PURPLE, BALLOON).update(frame, ball)
+        assert isinstance(ball, ms.Track)
+        pictures.append(frame.image)
+        balls.append(ball)
+        places.append((marker.shape.x, marker.shape.y))
+    finder, woven = ms.MarkerTracker(PURPLE, BALLOON), pictures[0]
+    for k, (picture, ball) in enumerate(zip(pictures, balls, strict=True)):
+        woven = woven.copy()
+        woven[k % 2 :: 2] = picture[k % 2 :: 2]
+        half = ms.Frame(woven, k / 60.0, k, rows="bottom" if k % 2 else "top")
+        (marker,) = finder.update(half, ball)
+        if k:  # of the first field the other one is not known
+            nearer = 0.05 * math.hypot(*moved)  # the marker is before the middle of the ball, and moves by more
+            assert math.dist((marker.shape.x, marker.shape.y), places[k]) < 0.1 + nearer

@@ -15,7 +15,6 @@ from matchset.flight.chain.score import FlightScorer
 from matchset.flight.real_time.memory import steady_memory
 from matchset.image.frame import Frame
 from matchset.links.simulated import SimulatedChain
-from matchset.links.simulation_parameters import FPS
 from matchset.localization.markers.ball_colors import BallColors, learn_colors
 from matchset.media.closing import Closing
 from matchset.sim.world import relative_position
@@ -95,7 +94,8 @@ class Flight(ChainFlight):
         self.chain = SimulatedChain(self.parameters.world, self.parameters.pilot.place)
         cameras, links = self.chain.cameras, self.chain.links
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
-        self.setup = FlightSetup(self.parameters, tuple(camera.model for camera in cameras), self.samples)
+        models, world = tuple(camera.model for camera in cameras), self.parameters.world
+        self.setup = FlightSetup(self.parameters, models, self.samples, fps=world.fps)
         self._index, pilot = 0, self.parameters.loop
         self.colors: tuple[BallColors, ...] = ()
         self.pilots: tuple[Pilot, ...]
@@ -109,14 +109,14 @@ class Flight(ChainFlight):
         """Arm one after the other and fly for the duration."""
         with steady_memory():
             for index in range(self.length):
-                for pilot in self.parameters.due(self.pilots, index / FPS):
+                for pilot in self.parameters.due(self.pilots, index / self.parameters.world.fps):
                     pilot.arm()
                 yield self.step()
 
     @property
     def length(self) -> int:
         """Number of steps of the flight."""
-        return max(round(self.parameters.duration * FPS), 1)
+        return max(round(self.parameters.duration * self.parameters.world.fps), 1)
 
     def close(self) -> None:
         """Land everyone and let go of the world."""

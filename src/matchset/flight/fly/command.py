@@ -51,10 +51,9 @@ def fly_simulated(options: FlyOptions) -> int:
     from matchset.app.progress import announce_if_slow
     from matchset.flight.chain.flight import Flight
     from matchset.flight.chain.pacer import Pacer
-    from matchset.links.simulation_parameters import FPS
 
     parameters = options.flight()
     options.files.make_folders(options.force)
     with announce_if_slow("getting ready ..."):
         flight = Flight(parameters)
-    return run_flight(flight, options, Pacer(1.0 / FPS) if options.real_time else None)
+    return run_flight(flight, options, Pacer(1.0 / parameters.world.fps) if options.real_time else None)

@@ -4,6 +4,8 @@ import math
 import time
 from collections.abc import Callable
 
+from msgspec.structs import replace
+
 from matchset.camera.camera_model import CameraModel
 from matchset.flight.linked.parameters import LinkedParameters
 from matchset.image.errors import LinkError
@@ -85,7 +87,7 @@ class LiveCamera:
         if not taken > self._last:  # taken before the clock began, or by a driver whose stamps do not run forward
             return None
         self._last = taken
-        return Frame(frame.image, taken, frame.index)
+        return replace(frame, time=taken)
 
     @property
     def fault(self) -> str:

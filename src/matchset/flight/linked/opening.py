@@ -87,6 +87,7 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
         fps=follower.fps,
         turn=follower.turn,
         mirror=follower.mirror,
+        fields=follower.fields,
         timeout=silence.timeout,
         reconnect=silence.reconnect,
         note=print_note,

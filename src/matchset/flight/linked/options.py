@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 import typer
 
-from matchset.app.cli_options import TurnOptions
+from matchset.app.cli_options import FieldsName, TurnOptions
 
 if TYPE_CHECKING:
     from matchset.flight.chain.flight_parameters import FlightParameters
@@ -68,6 +68,8 @@ DryRun = Annotated[
 ]
 Arm = Annotated[bool, typer.Option("--arm", help="Let the motors of a real vehicle turn, after a countdown.")]
 
+# format: options that a file of several followers has for each
+OF_ONE = ("camera_file", "fov", "focal_sigma", "color", "marker_color", "delay_ms", "timeout", "reconnect", "fields")
 NEEDED = "--camera-file camera.toml --color ball.npz --marker-color marker.npz"
 
 
@@ -86,6 +88,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
     marker_diameter: MarkerDiameter = None
     delay_ms: Delay = None
     mounted: TurnOptions = TurnOptions()
+    fields: FieldsName | None = None
     timeout: Timeout = None
     reconnect: Reconnect = None
     dry_run: DryRun = False
@@ -111,6 +114,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
         """
         from matchset.flight.chain.config import read_followers
         from matchset.flight.linked.parameters import LinkedFollower
+        from matchset.media.upright.view import checked_fields
 
         if self.arm and self.dry_run:
             raise ValueError("give --arm or --dry-run, not both")
@@ -119,8 +123,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
             return ()
         known = () if config is None else read_followers(config)
         if self.camera is None and self.link is None:
-            names = "camera_file", "fov", "focal_sigma", "color", "marker_color", "delay_ms", "timeout", "reconnect"
-            typed = [name for name in names if getattr(self, name) not in (None, [])]
+            typed = [name for name in OF_ONE if getattr(self, name) not in (None, [])]
             typed += ["turn"] if self.mounted.words else []
             if typed and known:
                 raise ValueError(f"--{typed[0].replace('_', '-')}: of several followers, write it into {config}")
@@ -144,6 +147,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
                 delay_ms=self.delay_ms or 0.0,
                 turn=self.mounted.turn,
                 mirror=self.mounted.mirror,
+                fields=checked_fields(self.fields or "frames"),
                 timeout=self.timeout,
                 reconnect=self.reconnect,
             ),

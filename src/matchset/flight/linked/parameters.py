@@ -6,6 +6,7 @@ import msgspec
 
 from matchset.media.streams.silence import Silence
 from matchset.media.upright.orientation import check_turn
+from matchset.media.upright.view import WantedFields
 from matchset.numeric.arguments import require_within
 
 MOST_COUNTDOWN, MOST_WAIT, MOST_SILENCE = 60.0, 0.09, 10.0  # format: s; the transmitter holds the sticks after 0.1 s
@@ -70,6 +71,9 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         hangs upside down.
     mirror : bool
         Whether left and right are swapped after that, for a camera behind a mirror.
+    fields : str
+        As of `matchset.media.video.Video`: each field of an analog camera as a picture of its own, "top" or "bottom"
+        by which comes first, or "auto".
     timeout, reconnect : float or None
         As of `matchset.media.video.Video`, s: after which silence the camera is opened again, and for how long that is
         tried. It happens beside the loop, which flies on without pictures and lands as its safety says. None: as there.
@@ -88,6 +92,7 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     fps: float | None = None
     turn: int = 0
     mirror: bool = False
+    fields: WantedFields = "frames"
     timeout: float | None = None
     reconnect: float | None = None
 

@@ -123,6 +123,7 @@ def next_command(options: PreflightOptions) -> str:
         "--delay-ms": linked.delay_ms,
         "--timeout": linked.timeout,
         "--reconnect": linked.reconnect,
+        "--fields": linked.fields,
         "--config": options.config,
     }
     for name, value in named.items():

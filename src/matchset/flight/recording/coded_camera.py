@@ -54,7 +54,8 @@ class CodedCamera:
 def coded_frame(frame: Frame, quality: int) -> CodedFrame:
     """Code a picture as JPEG and decode it, as a replay will."""
     jpeg = to_jpeg(frame.image, quality)
-    return CodedFrame(np.asarray(decode_deep(jpeg), np.uint8), frame.time, frame.index, jpeg=jpeg)
+    image = np.asarray(decode_deep(jpeg), np.uint8)
+    return CodedFrame(image, frame.time, frame.index, rows=frame.rows, jpeg=jpeg)
 
 
 def to_jpeg(image: npt.NDArray[np.uint8], quality: int) -> bytes:

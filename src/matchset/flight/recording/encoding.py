@@ -25,7 +25,7 @@ from matchset.flight.recording.messages import (
     TruthMessage,
 )
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, Rows
 from matchset.localization.markers.ball_colors import BallColors
 from matchset.media.bags.packed_fields import NANO
 from matchset.media.bags.ros_image import COMPRESSED_IMAGE, read_picture
@@ -112,6 +112,7 @@ def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
         outcome=msgspec.Raw(outcome_of(step)),
         stopped=step.stopped,
         landing=step.landing,
+        rows="all" if step.frame is None else step.frame.rows,
     )
 
 
@@ -180,7 +181,7 @@ def frame_of(message: Picture) -> Frame:
     return Frame(np.asarray(image, np.uint8), message.time, message.index)
 
 
-def frame_of_image(data: bytes, index: int, taken: float) -> Frame:
+def frame_of_image(data: bytes, index: int, taken: float, rows: Rows = "all") -> Frame:
     """Make a frame of a message sensor_msgs/CompressedImage.
 
     Parameters
@@ -190,6 +191,8 @@ def frame_of_image(data: bytes, index: int, taken: float) -> Frame:
         Index of the picture in its step.
     taken : float
         When it was taken, s.
+    rows : str
+        Which rows were taken then.
 
     Raises
     ------
@@ -201,4 +204,4 @@ def frame_of_image(data: bytes, index: int, taken: float) -> Frame:
         raise ValueError(f"the picture of frame {index} is missing: there is one of {stamp / NANO} s, not {taken} s")
     if image is None:
         raise ValueError(f"the picture of frame {index} does not decode")
-    return Frame(image, taken, index)
+    return Frame(image, taken, index, rows=rows)

@@ -11,6 +11,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.flight.chain.chain_step import Crash, FlightKind
 from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.image.frame import Rows
 
 FORMAT = 4  # format: version of a recording
 OLDER_NAMES = 3  # format: before keys became the names of parameters: `control.files.older_keys`
@@ -101,6 +102,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
         Why the motors were stopped in this step from outside, `PilotStep.stopped`; empty if they were not.
     landing : str
         Why it was told to land, `PilotStep.landing`; empty if it was not.
+    rows : str
+        Which rows of the picture are of its time, `Frame.rows`; the rest of a half-frame is of the field before.
     """
 
     tick: int
@@ -113,6 +116,7 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
     outcome: msgspec.Raw
     stopped: str = ""
     landing: str = ""
+    rows: Rows = "all"
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):

@@ -199,7 +199,7 @@ def _frame(number: int, step: StepMessage, picture: bytes | None) -> Frame | Non
         return None
     if picture is None or step.frame is None or step.taken is None:
         raise ValueError(f"tick {step.tick} lacks the picture of follower {number}")
-    return frame_of_image(picture, step.frame, step.taken)
+    return frame_of_image(picture, step.frame, step.taken, step.rows)
 
 
 @contextlib.contextmanager

@@ -16,7 +16,7 @@ from matchset.live.sources.demo_clip import demo_clip
 from matchset.live.sources.found_sources import CHAIN, DEMO, Source
 from matchset.live.vision.camera_feed import CameraFeed
 from matchset.media.frame_list import StampedVideo
-from matchset.media.upright.view import Wish
+from matchset.media.upright.view import Wish, checked_fields
 from matchset.media.video import Video
 
 
@@ -64,7 +64,8 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     if source.origin == DEMO:
         return _video(source.name, str(demo_clip(stopped=opening.stopped)), opening)
     if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():
-        device = CameraDevice(source.origin, functools.partial(SetCamera, wish=Wish(**mounted.arguments)))
+        wish = Wish(**mounted.arguments, fields=checked_fields(opening.view.fields))
+        device = CameraDevice(source.origin, functools.partial(SetCamera, wish=wish))
         return CameraFeed(source.name, device, opening.news, opening.note, mounted)
     return _video(source.name, source.origin, opening)
 

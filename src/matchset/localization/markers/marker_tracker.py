@@ -5,10 +5,12 @@ import math
 import cv2
 import numpy as np
 import numpy.typing as npt
+from msgspec.structs import replace
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Picture, channels_last, frame_of
 from matchset.localization.ball_target import BallTarget
+from matchset.localization.markers.field_places import FieldPlaces
 from matchset.localization.markers.marker_color import mark_color
 from matchset.localization.markers.marker_step import follow_markers
 from matchset.localization.markers.marker_workspace import CAPACITY, MARKERS, MarkerParameters
@@ -53,6 +55,7 @@ class MarkerTracker(Copied):
         self.color, self.target = color, target
         self.parameters = parameters or MarkerParameters()
         self._separation = target.marker_diameter / target.diameter  # radius of a marker, in ball radii
+        self._places = FieldPlaces()
         self._missed: list[int] = []  # frames for which each of the markers has not been seen
         self._block = new_block(MARKERS)
         work = fields(self._block, MARKERS)
@@ -107,13 +110,22 @@ class MarkerTracker(Copied):
         ValueError
             If the color was learned on another kind of image.
         """
-        whole = frame_of(frame).image
+        framed = frame_of(frame)
+        whole = framed.image
         check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
         self.color.check(whole)
         if isinstance(ball, Lost):
             self._missed = []
+            self._places.forget()
             return ()
         image = channels_last(whole)
+        if framed.rows == "all":
+            return self._find(image, ball)
+        middle, moved = self._places.as_interlaced(ball, framed.rows)
+        return tuple(_moved(marker, moved) for marker in self._find(image, middle))
+
+    def _find(self, image: Image, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
+        """Search markers that are not known yet, and follow all."""
         if self._missed.count(0) < len(self.target.markers):
             self._search(image, ball.shape, ball.field_offset)
         if not self._missed:
@@ -177,3 +189,11 @@ class MarkerTracker(Copied):
         x, y = self._middle[k].tolist()
         circle = Circle(x, y, self._radius.item(k))
         return Track(circle, self._covariance[k].copy(), self._explained.item(k), self._rim[k].copy(), time)
+
+
+def _moved(marker: Track[Circle], by: tuple[float, float]) -> Track[Circle]:
+    """Return a marker elsewhere, px."""
+    circle = marker.shape
+    return replace(
+        marker, shape=Circle(circle.x + by[0], circle.y + by[1], circle.radius), match_set=marker.match_set + by
+    )

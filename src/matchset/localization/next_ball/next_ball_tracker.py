@@ -232,6 +232,7 @@ class NextBallTracker(Copied):
     ) -> Track[Circle] | Lost[Circle]:
         """Find its outline near a circle, outside the one that hides it."""
         limits, image = self.parameters, channels_last(frame.image)
+        self._fitter.take_rows(frame.rows)
         radius, sought = start[2], start
         if not followed:
             way = limits.search * radius, limits.search_high * radius, limits.search_step * radius

@@ -1,6 +1,6 @@
 """How the pictures of a source are handed out: what its header says, and what the user wants (`View`, `Wish`)."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import msgspec
 import numpy as np
@@ -8,6 +8,17 @@ import numpy.typing as npt
 
 from matchset.media.upright.orientation import AS_STORED, Orientation, check_turn
 from matchset.media.upright.square_pixels import is_credible, is_square, square_size, squared
+
+WantedFields = Literal["frames", "top", "bottom", "auto"]
+FIELDS: tuple[WantedFields, ...] = ("frames", "top", "bottom", "auto")  # format: what may be wanted of interlaced video
+
+
+def checked_fields(fields: str) -> WantedFields:
+    """Return what is wanted of interlaced video; ValueError if there is no such thing."""
+    for known in FIELDS:
+        if fields == known:
+            return known
+    raise ValueError(f"fields must be one of {', '.join(FIELDS)}, got {fields!r}")
 
 
 class Wish(msgspec.Struct, frozen=True, kw_only=True):
@@ -25,6 +36,8 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
         Which video stream of a file, from 0; None: the one that plays longest.
     damaged : bool or None
         Whether pictures whose decoder reports errors are handed out; None: of files, not of live sources.
+    fields : str
+        "frames"; or half-frames of interlaced pictures, by which field comes first: "top", "bottom" or "auto".
 
     Raises
     ------
@@ -37,6 +50,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
     mirror: bool = False
     stream: int | None = None
     damaged: bool | None = None
+    fields: WantedFields = "frames"
 
     def __post_init__(self) -> None:
         check_turn(self.turn)
@@ -45,6 +59,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
                 raise ValueError(f"{name} must be True or False, got {getattr(self, name)!r}")
         if self.damaged is not None and not isinstance(self.damaged, bool):
             raise ValueError(f"damaged must be True, False or None, got {self.damaged!r}")
+        checked_fields(self.fields)
         number = self.stream
         if number is not None and (isinstance(number, bool) or not isinstance(number, int) or number < 0):
             raise ValueError(f"stream must be the number of a video stream, from 0, got {number!r}")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import cv2
 import numpy as np
@@ -13,6 +13,13 @@ from matchset.media.damaged.frame_numbers import FrameNumbers
 
 CODED = ("rtsp", "rtsps", "rtp", "udp", "tcp", "srt", "rtmp")  # format: addresses of streams that are mostly H.264
 RTSP = {"rtsp_flags": "prefer_tcp"}  # as OpenCV asks for
+FIELD_ORDERS: dict[int, Literal["frames", "top", "bottom"]] = {
+    1: "frames",
+    2: "top",
+    3: "bottom",
+    4: "bottom",
+    5: "top",
+}  # format: FFmpeg's AVFieldOrder; of 4 and 5 the other field is coded first
 KINDS = ("attached_pic", "timed_thumbnails")  # format: FFmpeg's names of streams that are no video
 
 
@@ -114,6 +121,27 @@ def list_streams(path: str) -> list[StreamFacts]:
             return [StreamFacts(_seconds(each), (each.width, each.height)) for each in _videos(container)]
     except (OSError, ValueError, av.FFmpegError):
         return []
+
+
+def stated_fields(path: str, stream: int) -> Literal["frames", "top", "bottom"] | None:
+    """Which field comes first, as the header of a file says; None if it does not say, or PyAV is not installed.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+    stream : int
+        Which of its video streams, from 0.
+    """
+    try:
+        import av
+    except ImportError:
+        return None
+    try:
+        with av.open(path) as container:
+            return FIELD_ORDERS.get(int(_videos(container)[stream].codec_context.field_order))
+    except (OSError, ValueError, IndexError, AttributeError, av.FFmpegError):  # AttributeError: an older PyAV
+        return None
 
 
 def _videos(container: Any) -> list[Any]:

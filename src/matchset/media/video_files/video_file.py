@@ -15,7 +15,7 @@ from matchset.media.upright.view import ANY, View, Wish
 from matchset.media.video_files.container import Container, look_into
 from matchset.media.video_files.file_clock import FileClock
 from matchset.media.video_files.file_view import file_view
-from matchset.media.video_files.pyav_capture import has_pyav, open_pyav
+from matchset.media.video_files.pyav_capture import has_pyav, open_pyav, stated_fields
 from matchset.media.video_files.recorded import Recorded
 from matchset.media.video_files.stream_choice import choose_stream
 from matchset.media.video_files.upright_capture import UprightCapture
@@ -78,6 +78,8 @@ class VideoFile(Recorded):
         What decodes it, and hands out its pictures in this view.
     damaged : int
         Frames whose decoder reported errors; known where PyAV decodes.
+    stated : str or None
+        Which field comes first, or "frames", by its header.
     stamp : float
         Time stamp of the frame that was decoded last, s, as the decoder says it.
 
@@ -96,7 +98,10 @@ class VideoFile(Recorded):
         self._choice = choose_stream(path, self._container.tracks, wish.stream)
         self._first = None
         number = self._choice.number
-        by_pyav = number > 0 or wish.damaged is not None
+        self.stated = stated_fields(str(path), number)
+        by_pyav = (
+            number > 0 or wish.damaged is not None or self.stated in ("top", "bottom")
+        )  # OpenCV 5 decodes no fields
         if by_pyav and not has_pyav():
             raise ValueError(f"OpenCV reads the first video stream alone, and does not tell errors: {PYAV}")
         codec = None if by_pyav else self._begin(open_capture, fps)

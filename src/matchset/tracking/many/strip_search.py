@@ -124,6 +124,7 @@ class StripSearch:
     ) -> list[Track[Any]]:
         """Search a part of the image: left, top, columns and rows, px."""
         image, (left, top, columns, rows) = channels_last(frame.image), box
+        self._fitter.take_rows(frame.rows)
         searcher = self._searchers.get((columns, rows))
         if searcher is None:
             searcher = self._searchers[columns, rows] = Searcher(columns, rows, self.parameters.grid)

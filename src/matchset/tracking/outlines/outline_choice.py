@@ -29,6 +29,7 @@ from matchset.tracking.parameters import TrackerParameters
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+TINY = 1e-9
 SAME_AWAY = 1e-3  # theorem: points of a circle of 20 px are equally far from its center, but for rounding, px
 HALF_WIDTH = 20.0  # geometry: of the shape that is looked at for that, px
 
@@ -103,8 +104,9 @@ class OutlineChoice:
             return None
         if speed > self._parameters.soft_region.least_way * disc.circle[2]:
             disc = self._with_region(image, disc, estimate.state)
-        if not estimate.rejection and self._is_interlaced() and self._fields_apart(disc):
-            disc = of_both_fields(disc, estimate.state, fitter.work.field_offset.fitted)
+        apart, midway = self._field_offset(speed)
+        if not estimate.rejection and self._is_apart(disc, apart):
+            disc = of_both_fields(disc, estimate.state, apart, midway)
             if squared_distances(disc, estimate.state[:DISC]) < limits.differs:
                 return None
         if size is not None:
@@ -121,9 +123,20 @@ class OutlineChoice:
         self.spread = covariance_of(disc)
         return fitted
 
-    def _fields_apart(self, disc: Disc) -> bool:
+    def _field_offset(self, speed: float) -> tuple[Floats, float]:
+        """From one field of the picture to the other, px, and how far on that way the fit is, as a share.
+
+        Of a half-frame the way since the rows that are not new, at whose end it is.
+        """
+        work = self._fitter.work
+        if work.rows == 0:
+            return (work.field_offset.fitted if self._is_interlaced() else np.zeros(2)), 0.5
+        velocity: Floats = work.motion.velocity[:2]
+        return velocity * (speed / max(math.hypot(*velocity.tolist()), TINY)), 1.0
+
+    def _is_apart(self, disc: Disc, offset: Floats) -> bool:
         """Whether the fields lie farther apart than the fit around a disc looks."""
-        limits, offset = self.network.limits, self._fitter.work.field_offset.fitted
+        limits = self.network.limits
         return math.hypot(*offset.tolist()) > max(limits.range_share * disc.circle[2], limits.min_range_px)
 
     def refined(self, image: Image, disc: Disc) -> Disc:
@@ -310,7 +323,7 @@ class OutlineChoice:
         return fitted
 
 
-def of_both_fields(disc: Disc, state: Floats, offset: Floats) -> Disc:
+def of_both_fields(disc: Disc, state: Floats, offset: Floats, midway: float = 0.5) -> Disc:
     """Disc of which the network may have seen one field only: along the offset of the fields the fit is believed.
 
     Parameters
@@ -320,13 +333,15 @@ def of_both_fields(disc: Disc, state: Floats, offset: Floats) -> Disc:
         Of the fit.
     offset : ndarray of shape (2,), float64
         From one field to the other, as it was fitted, px; zeros in pictures that are not interlaced.
+    midway : float
+        How far on that way the fit is: 0.5, or 1 of a half-frame.
     """
     square = float(offset @ offset)
     if square == 0.0:
         return disc
     x, y, radius = disc.circle
     share = float(offset @ (state[:2] - (x, y))) / square
-    share = min(max(share, -0.5), 0.5)
+    share = min(max(share, midway - 1.0), midway)
     covariance = covariance_of(disc)
     covariance[:2, :2] += 0.25 * np.outer(offset, offset)
     circle = x + share * float(offset[0]), y + share * float(offset[1]), radius

@@ -11,8 +11,9 @@ import matchset as ms
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
 from matchset.localization.markers.ball_colors import pick_marker
-from matchset.localization.neighbors.ball_search import BallSearch
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
+from matchset.tracking.many.strip_search import StripSearch
+from matchset.tracking.motion import Gate
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
 TARGET = ms.BallTarget(diameter=0.28, markers=((0, 0, 1),))
@@ -40,17 +41,21 @@ def watcher(seed: int) -> ms.Neighbors:
 
 
 class _Timed:
-    """A search for newcomers that notes how long it takes."""
+    """A search for newcomers that notes how long it takes, frame by frame."""
 
-    def __init__(self, search: BallSearch) -> None:
-        self.search = search
+    def __init__(self, search: StripSearch) -> None:
+        self.search, self.spent = search, 0
         self.ns: list[int] = []
 
-    def update(self, frame: ms.Frame, known: Sequence[ms.Circle]) -> list[ms.Circle]:
+    def update(self, frame: ms.Frame, known: Sequence[Gate]) -> list[ms.Track[ms.Circle]]:
         begin = time.perf_counter_ns()
         found = self.search.update(frame, known)
-        self.ns.append(time.perf_counter_ns() - begin)
+        self.spent = time.perf_counter_ns() - begin
+        self.ns.append(self.spent)
         return found
+
+    def near(self, frame: ms.Frame, place: Gate, known: Sequence[Gate]) -> list[ms.Track[ms.Circle]]:
+        return self.search.near(frame, place, known)
 
 
 class _Contender:
@@ -58,15 +63,18 @@ class _Contender:
 
     def __init__(self, paths: list[PositionFunction], frames: int, seed: int) -> None:
         self.neighbors = watcher(seed)
-        self.search = _Timed(self.neighbors._search)
-        vars(self.neighbors)["_search"] = self.search
+        searches = self.neighbors._balls._observer._searches
+        ((label, search),) = searches.items()
+        self.search = _Timed(search)
+        vars(self.neighbors._balls._observer)["_searches"] = {label: self.search}
         self.frames = list(MultiBallClip(camera=CAMERA, paths=paths, frames=frames, seed=seed))
         self.ns: list[int] = []
 
     def step(self, k: int) -> None:
+        self.search.spent = 0
         begin = time.perf_counter_ns()
         self.neighbors.update(self.frames[k])
-        self.ns.append(time.perf_counter_ns() - begin - self.search.ns[-1])
+        self.ns.append(time.perf_counter_ns() - begin - self.search.spent)
 
     def rest_us(self) -> float:
         return float(np.median(self.ns[10:])) / 1e3

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from matchset.localization.ball_target import BallTarget
     from matchset.localization.localizer import Localizer
     from matchset.localization.markers.marker_tracker import MarkerTracker
-    from matchset.localization.neighbors.ball_track import Neighbor
+    from matchset.localization.neighbors.neighbor import Neighbor
     from matchset.localization.neighbors.neighbors import Neighbors
     from matchset.localization.pose import Pose
     from matchset.localization.pose_filter import PoseFilter
@@ -96,7 +96,7 @@ _MODULES = {
     "Lost": "matchset.tracking.track",
     "MarkerTracker": "matchset.localization.markers.marker_tracker",
     "MultiTracker": "matchset.tracking.many.multi_tracker",
-    "Neighbor": "matchset.localization.neighbors.ball_track",
+    "Neighbor": "matchset.localization.neighbors.neighbor",
     "Neighbors": "matchset.localization.neighbors.neighbors",
     "Polygon": "matchset.shapes.polygon",
     "Pose": "matchset.localization.pose",

@@ -102,8 +102,8 @@ def test_edge_points_decide_where_they_confirm_a_disc() -> None:
     tracker, disc = seen(), Disc((61.0, 90.0, 26.0), 0.3 * np.eye(3), 3.0)
     with patch.object(Judge, "discs", return_value=[disc]):
         assert tracker._ball.find(picture(60.0), tracker.color, LAST, LAST, 1.0 / 30.0, 1.0 / 30.0)
-    assert not tracker._step.without_outline
-    assert tracker._step.fitter.state[:3] == pytest.approx((60.0, 90.0, 26.0), abs=0.7)
+    assert not tracker.step.without_outline
+    assert tracker.step.fitter.state[:3] == pytest.approx((60.0, 90.0, 26.0), abs=0.7)
 
 
 def test_the_size_is_that_of_the_last_outline() -> None:
@@ -117,7 +117,7 @@ def test_the_size_is_that_of_the_last_outline() -> None:
     ):
         assert tracker._ball.find(picture(160.0), tracker.color, last, last, 0.1, 1.0 / 30.0)
         assert tracker._ball._half_width == 40.0
-        assert tracker._step.without_outline  # what was taken since has no say
+        assert tracker.step.without_outline  # what was taken since has no say
         tracker._ball.find(picture(160.0), tracker.color, last._replace(half_width=50.0), last, 0.2, 1.0 / 30.0)
         assert tracker._ball._half_width == 40.0
 

@@ -77,7 +77,7 @@ def test_a_region_that_is_less_sure_counts_less() -> None:
     image, disc = streak(40.0), Disc((166.0, 90.0, 26.0), np.diag((0.5, 0.5, 0.5)), 4.0)
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160.0, 90.0), start=(160.0, 90.0), fps=30.0)
     tracker.update(image)
-    outlines = tracker._step.outlines
+    outlines = tracker.step.outlines
     moved = []
     for share in (1.0, 0.6):
         with patch.object(SoftRegion, "worth", lambda _, limits, share=share: share * limits.worth):
@@ -104,7 +104,7 @@ def test_the_region_of_a_streak_is_weighed_with_the_disc(length: float, weighed:
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160.0, 90.0), start=(160.0, 90.0), fps=30.0)
     tracker.update(image)
     disc = Disc((166.0, 90.0, 26.0), np.diag((0.05, 0.5, 0.5)), 4.0)
-    found = tracker._step.outlines._with_region(image, disc, np.array(disc.circle))
+    found = tracker.step.outlines._with_region(image, disc, np.array(disc.circle))
     assert (found is not disc) is weighed
     if weighed:
         assert found.circle[:2] == pytest.approx((160.0, 90.0), abs=0.5)
@@ -203,12 +203,12 @@ def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() 
     assert color.sample is not None
     tracker = ms.Tracker(ms.Circle, color, start=(160.0, 90.0))
     expected = colors_in(color.sample.image, color.sample.circle)
-    assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
+    assert np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
     tracker.update(image)
     tracker._ball.relight(np.array((0.5, 1.0, 1.5)))
-    assert not np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
+    assert not np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
     tracker.restart((160.0, 90.0))
-    assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
+    assert np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
 
 
 def test_a_search_knows_the_colors_that_were_clicked() -> None:

@@ -96,6 +96,7 @@ class Tracker(Copied, Generic[S]):
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
+        self._time: float
         self._forget_frames()
         self._start = self._hint
         self._make_derived()
@@ -123,7 +124,7 @@ class Tracker(Copied, Generic[S]):
         Raises
         ------
         ValueError
-            If it is not of the family that is tracked, or the velocity not finite.
+            If it is of another family, or the velocity not finite.
         """
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
@@ -153,9 +154,8 @@ class Tracker(Copied, Generic[S]):
         """
         shape = hint if isinstance(hint, self._family) else None
         if shape is None and hint is not None and not isinstance(hint, tuple):
-            raise ValueError(
-                f"this tracker follows {self._family.__name__}, from one or from a point (x, y), got {hint!r:.60}"
-            )
+            kind = f"{self._family.__name__}, from one or from a point (x, y)"
+            raise ValueError(f"this tracker follows {kind}, got {hint!r:.60}")
         self._hint = None if shape is not None or hint is None else checked_point("the hint", hint)
         self._fitter.forget()
         forget_motion(self._fitter.work, same_camera)
@@ -256,11 +256,11 @@ class Tracker(Copied, Generic[S]):
     def _prepare(self, image: Image) -> None:
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
         given, self._initial, self.step.given = self._initial, None, self._initial is not None
+        limits = self.parameters.initialization, self.parameters.brightness
         if self.color.gray:
-            self.color = model_for_image(self.color, image, given, self.parameters.brightness)
+            self.color = model_for_image(self.color, image, given, limits[1])
             self._adapting.begin(self.color)
         if given is not None and finds_itself(self._family):
-            limits = self.parameters.initialization, self.parameters.brightness
             state, sigma = initialize_near(image, self.color, self._fitter, given, *limits)
             initialize(self._fitter.work, state, -math.inf, sigma)
 

@@ -55,7 +55,7 @@ def test_who_is_hidden_by_another_is_the_same_afterwards() -> None:
     assert sorted(met) == [0, 1]
     assert {frozenset(balls) for balls in met.values()} == {frozenset({0}), frozenset({1})}
     reasons = {each.ball.reason for seen in answers for each in seen if isinstance(each.ball, ms.Lost)}
-    assert any("hidden behind neighbor" in reason for reason in reasons)
+    assert any("hidden behind target" in reason for reason in reasons)
     last = [each for each in answers[-1] if isinstance(each.pose, ms.Pose)]
     assert len(last) == 2
 

@@ -13,7 +13,7 @@ from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
-from matchset.shapes.shape import finds_itself, from_hull
+from matchset.shapes.shape import Shape, finds_itself, from_hull
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import track_of
 from matchset.tracking.motion import Gate, gate_of
@@ -70,6 +70,13 @@ class _Searched(NamedTuple):
     expected: bool
 
 
+class _Start(NamedTuple):
+    """Where a fit may begin: a place, px, and a state of the family; None for that of a circle."""
+
+    place: Gate
+    state: Floats | None
+
+
 class StripSearch:
     """Detects shapes of one color that nobody follows yet; the whole image takes three frames.
 
@@ -83,7 +90,7 @@ class StripSearch:
     parameters : StripSearchParameters, optional
     """
 
-    def __init__(self, family: type[Any], color: ColorModel, parameters: StripSearchParameters | None = None) -> None:
+    def __init__(self, family: type[Shape], color: ColorModel, parameters: StripSearchParameters | None = None) -> None:
         self.family, self.color = family, color
         self.parameters = parameters or StripSearchParameters()
         self._fitter: Fitter[Any] = tracking_fitter(family, self.parameters.points)
@@ -132,11 +139,13 @@ class StripSearch:
         part = part if part.flags.c_contiguous else np.ascontiguousarray(part)
         found: list[Track[Any]] = []
         taken, fitted = list(known), 0
-        for state in self._starts(searcher, part, (left, top)):
-            if self._is_known(gate_of(self.family, state), taken) or fitted == self.parameters.candidates:
+        for start in self._starts(searcher, part, (left, top)):
+            if fitted == self.parameters.candidates:
+                break
+            if self._is_known(start.place, taken):
                 continue
             fitted += 1
-            estimate = self._fit(image, state, _Searched(searcher.stride, expected))
+            estimate = self._fit(image, start, _Searched(searcher.stride, expected))
             if estimate is None or self._is_known(gate_of(self.family, estimate.state), taken):
                 continue
             taken.append(gate_of(self.family, estimate.state))
@@ -144,22 +153,23 @@ class StripSearch:
         self._fitter.forget()
         return found
 
-    def _starts(self, searcher: Searcher, part: Image, corner: tuple[int, int]) -> Iterator[Floats]:
-        """States of the family at which something in a part of the image may be, likeliest first."""
+    def _starts(self, searcher: Searcher, part: Image, corner: tuple[int, int]) -> Iterator[_Start]:
+        """Where something in a part of the image may be, likeliest first."""
         left, top = corner
         if not finds_itself(self.family):
             for x, y, radius, _ in searcher.candidates(part, self.color).tolist():
-                yield self.family.from_coarse(x + left, y + top, radius).state
+                yield _Start(Gate(x + left, y + top, radius), None)
             return
         for hull in searcher.hulls(part, self.color):
             shape = next(iter(from_hull(self.family, hull + np.array((left, top), np.float64))), None)
             if shape is not None:
-                yield shape.state
+                yield _Start(gate_of(self.family, shape.state), shape.state)
 
-    def _fit(self, image: Image, state: Floats, searched: _Searched) -> Estimate | None:
+    def _fit(self, image: Image, start: _Start, searched: _Searched) -> Estimate | None:
         """Fit a shape about a state, first at rest and then moving; None if nothing there is one."""
-        limits, fitter = self.parameters, self._fitter
-        reach = max(limits.range_cells * searched.stride, limits.range_share * gate_of(self.family, state).half_width)
+        limits, fitter, place = self.parameters, self._fitter, start.place
+        state = self.family.from_coarse(*place).state if start.state is None else start.state
+        reach = max(limits.range_cells * searched.stride, limits.range_share * place.half_width)
         at_rest = SearchWindow(reach, min_score=limits.min_score)
         moving = SearchWindow(reach, limits.speed, velocity_unknown=True)
         for window in (at_rest, moving):
@@ -170,6 +180,8 @@ class StripSearch:
                 if not fitter.validate_detection(estimate, Prior.HERE if searched.expected else Prior.PRESENT):
                     return estimate
                 state = estimate.state
+            elif not searched.expected:
+                return None
         return None
 
     def _is_known(self, place: Gate, others: Sequence[Gate]) -> bool:

@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from benchmarks.crowds.scenes import Seen
+from benchmarks.crowds.crowd import MIN_VISIBLE, Seen, shared_area
 
-MIN_VISIBLE = 0.3  # share of its disc from which a ball counts: what is hidden more may be answered, or not
 MIN_IOU = 0.5  # of two discs, from which an answer is of a ball; HOTA takes the mean over its own limits
 
 
@@ -49,17 +48,8 @@ class Score(NamedTuple):
 
 def iou(one: ms.Circle, other: ms.Circle) -> float:
     """Area that two discs share, over the area that they cover."""
-    far = math.hypot(one.x - other.x, one.y - other.y)
-    a, b = sorted((one.radius, other.radius))
-    if far >= a + b:
-        return 0.0
-    if far <= b - a:
-        shared = math.pi * a * a
-    else:
-        u = (far * far + a * a - b * b) / (2.0 * far)
-        v = far - u
-        shared = a * a * math.acos(u / a) - u * math.sqrt(max(a * a - u * u, 0.0))
-        shared += b * b * math.acos(v / b) - v * math.sqrt(max(b * b - v * v, 0.0))
+    shared = shared_area(one.radius, other.radius, math.hypot(one.x - other.x, one.y - other.y))
+    a, b = one.radius, other.radius
     return shared / (math.pi * (a * a + b * b) - shared)
 
 

@@ -111,13 +111,13 @@ class Juggler:
 
     def _limbs(self, side: int, time: float) -> list[Limb]:
         """Forearm, palm and fingers, between the camera and the ball that is held."""
-        x, y, z = self._palm(side, time)
-        z -= 1.5 * BALL
+        before = 1.0 - 1.5 * BALL / self._middle[1]  # toward the camera, on the ray to the ball
+        x, y, z = (before * each for each in self._palm(side, time))
         out = 1.0 if side == 0 else -1.0
         wrist = (x + 0.02 * out, y + 0.09, z)
         limbs = [
             Limb((x, y - 0.012, z), 0.058, (x, y + 0.045, z), 0.048),
-            Limb(wrist, 0.03, (x + 0.14 * out, y + 0.55, z + 0.15), 0.05),
+            Limb(wrist, 0.03, (x + 0.3 * out, y + 1.5, z + 0.1), 0.08),
         ]
         for finger in range(4):
             along = -0.045 + 0.03 * finger

@@ -77,28 +77,32 @@ def crossing(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
         If so many cannot cross without touching.
     """
     random = np.random.default_rng(seed)
-    for _ in range(200):
-        paths = _lines(balls, random)
-        courses = np.array([[path(time / 120.0) for path in paths] for time in range(round(2.0 * EVERY * 120))])
-        between = np.linalg.norm(courses[:, :, np.newaxis] - courses[:, np.newaxis], axis=3)
-        if balls < 2 or between[:, *np.triu_indices(balls, 1)].min() > 2.0 * RADIUS:
-            return Crowd(paths, round(seconds * FPS), seed, preset)
-    raise ValueError(f"{balls} balls cannot cross without touching")
-
-
-def _lines(balls: int, random: np.random.Generator) -> list[PositionFunction]:
-    """Paths to and fro; of two that follow each other in depth, directions are far apart, and times, too."""
-    order = [int(each) for pair in itertools.zip_longest(range(0, (balls + 1) // 2), range((balls + 1) // 2, balls))
-             for each in pair if each is not None]
-    turn = random.uniform(0.0, math.pi)
+    turn, times = random.uniform(0.0, math.pi), np.arange(0.0, 2.0 * EVERY, 1.0 / 120.0)
+    lines = _far_apart(balls)
     paths: list[PositionFunction] = []
-    for rank, line in enumerate(order):
+    courses: list[Floats] = []
+    for _ in range(100 * balls):
+        rank = len(paths)
+        if rank == balls:
+            break
         depth = max(3.2 - 0.08 * (balls - 1), 2.2) + 0.17 * rank
-        angle = turn + math.pi * (line + random.uniform(-0.2, 0.2)) / balls
+        angle = turn + math.pi * (lines[rank] + random.uniform(-0.3, 0.3)) / balls
         late = (0.1 if rank % 2 else -0.1) + 0.03 * random.standard_normal()
-        beside = 0.1 * random.standard_normal()
-        paths.append(_swing(depth, angle, late, beside, float(random.integers(2))))
-    return [paths[at] for at in random.permutation(balls)]
+        path = _swing(depth, angle, late, 0.1 * random.standard_normal(), float(random.integers(2)))
+        course = np.array([path(time) for time in times])
+        if all(np.linalg.norm(course - other, axis=1).min() > 2.0 * RADIUS for other in courses):
+            paths.append(path)
+            courses.append(course)
+    if len(paths) < balls:
+        raise ValueError(f"{balls} balls cannot cross without touching")
+    return Crowd([paths[at] for at in random.permutation(balls)], round(seconds * FPS), seed, preset)
+
+
+def _far_apart(balls: int) -> list[int]:
+    """Order of lines through one point in which lines that follow each other are far from parallel."""
+    half = (balls + 1) // 2
+    pairs = itertools.zip_longest(range(half), range(half, balls))
+    return [each for pair in pairs for each in pair if each is not None]
 
 
 def _swing(depth: float, angle: float, late: float, beside: float, end: float) -> PositionFunction:

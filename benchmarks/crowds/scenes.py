@@ -86,9 +86,9 @@ def crossing(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
         if rank == balls:
             break
         depth = max(3.2 - 0.08 * (balls - 1), 2.2) + 0.17 * rank
-        angle = turn + math.pi * (lines[rank] + random.uniform(-0.3, 0.3)) / balls
+        angle = turn + math.pi * (lines[rank] + random.uniform(-0.2, 0.2)) / balls
         late = (0.1 if rank % 2 else -0.1) + 0.03 * random.standard_normal()
-        path = _swing(depth, angle, late, 0.1 * random.standard_normal(), float(random.integers(2)))
+        path = _swing(depth, angle, late, 0.1 * random.standard_normal(), lines[rank] % 2)
         course = np.array([path(time) for time in times])
         if all(np.linalg.norm(course - other, axis=1).min() > 2.0 * RADIUS for other in courses):
             paths.append(path)
@@ -105,7 +105,7 @@ def _far_apart(balls: int) -> list[int]:
     return [each for pair in pairs for each in pair if each is not None]
 
 
-def _swing(depth: float, angle: float, late: float, beside: float, end: float) -> PositionFunction:
+def _swing(depth: float, angle: float, late: float, beside: float, end: int) -> PositionFunction:
     """A swing through the middle of the picture that begins at one end of its line."""
     far = 0.8 * float(HALF[1]) * depth
     along, across = np.array((math.cos(angle), math.sin(angle))), np.array((-math.sin(angle), math.cos(angle)))

@@ -1,6 +1,7 @@
 """Who kept which name: HOTA, IDF1 and switches of identities by TrackEval, and what only the truth tells: `Score`."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import numpy.typing as npt
 import matchset as ms
 from benchmarks.crowds.crowd import MIN_VISIBLE, Seen, shared_area
 
+CLEAR = 0.9  # share of its disc from which a ball is clear
 MIN_IOU = 0.5  # of two discs, from which an answer is of a ball; HOTA takes the mean over its own limits
 
 
@@ -51,6 +53,33 @@ def iou(one: ms.Circle, other: ms.Circle) -> float:
     shared = shared_area(one.radius, other.radius, math.hypot(one.x - other.x, one.y - other.y))
     a, b = one.radius, other.radius
     return shared / (math.pi * (a * a + b * b) - shared)
+
+
+def names_kept(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]], frames: int = 20) -> bool:
+    """Whether every ball is called at the end what it was called at the beginning, and nothing else is.
+
+    Parameters
+    ----------
+    truth, answers : iterable of list
+        As of `score`.
+    frames : int
+        Length of the beginning and of the end, in frames in which all balls are clear; the name of a ball there is that
+        of most answers that lie on it.
+    """
+    pairs = [pair for pair in zip(truth, answers, strict=True) if all(each.visible > CLEAR for each in pair[0])]
+    first, last = _called(pairs[:frames]), _called(pairs[-frames:])
+    return None not in first.values() and len(set(first.values())) == len(first) and first == last
+
+
+def _called(pairs: Iterable[tuple[list[Seen], list[Answer]]]) -> dict[int, int | None]:
+    """The name that each ball has in most frames; None where it has none."""
+    counts: dict[int, Counter[int | None]] = {}
+    for seen, said in pairs:
+        for ball in seen:
+            best = max(said, key=lambda answer: iou(ball.circle, answer.circle), default=None)
+            met = best is not None and iou(ball.circle, best.circle) > MIN_IOU
+            counts.setdefault(ball.identity, Counter())[best.identity if met and best is not None else None] += 1
+    return {ball: names.most_common(1)[0][0] for ball, names in counts.items()}
 
 
 def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score:

@@ -1,0 +1,107 @@
+"""Who follows a crowd: `Follower`, and how each is made, `follower`."""
+
+import time
+from typing import Any, Protocol
+
+import matchset as ms
+from benchmarks.crowds.cases import DETECTING, FOLLOWING, Watched, checksum
+from benchmarks.crowds.crowd import CAMERA, Crowd
+from benchmarks.crowds.peers.client import FedPeer, PeerProcess
+from benchmarks.crowds.peers.peer import PEERS, stored
+from benchmarks.crowds.score import Answer
+
+MOST = 20  # targets at once
+PURPLE = ((135, 80, 40), (165, 255, 255))  # HSV limits of a marker that no ball of these crowds has
+OWN = {"matchset": "matchset `MultiTracker`", "neighbors": "matchset `Neighbors`"}
+NAMES = OWN | {key: peer.name for key, peer in PEERS.items()}
+
+
+class Follower(Protocol):
+    """What gives names to the balls of a crowd.
+
+    Attributes
+    ----------
+    seconds : float
+        What the last update took, s, detection included.
+    """
+
+    seconds: float
+
+    def update(self, frame: ms.Frame) -> list[Answer]:
+        """Say what is where in the next frame."""
+
+
+class Many:
+    """matchset's `MultiTracker`."""
+
+    def __init__(self, color: ms.ColorModel) -> None:
+        self._tracker = ms.MultiTracker(ms.Circle, color, most=MOST)
+        self.seconds = 0.0
+
+    def update(self, frame: ms.Frame) -> list[Answer]:
+        """Answer what is tracked."""
+        begin = time.perf_counter()
+        targets = self._tracker.update(frame)
+        self.seconds = time.perf_counter() - begin
+        return [Answer(each.identity, each.track.shape) for each in targets if isinstance(each.track, ms.Track)]
+
+
+class ByNeighbors:
+    """matchset's `Neighbors`, which knows the camera and the balls' size; they have no markers here."""
+
+    def __init__(self, color: ms.ColorModel, radius: float) -> None:
+        ball = ms.BallTarget(2.0 * radius, markers=((0, 0, 1),))
+        parameters = ms.NeighborsParameters(max_count=MOST)
+        self._neighbors = ms.Neighbors(CAMERA, ball, color, ms.ColorModel.hsv(*PURPLE), parameters)
+        self.seconds = 0.0
+
+    def update(self, frame: ms.Frame) -> list[Answer]:
+        """Answer what is tracked."""
+        begin = time.perf_counter()
+        neighbors = self._neighbors.update(frame)
+        self.seconds = time.perf_counter() - begin
+        return [Answer(each.identity, each.ball.shape) for each in neighbors if isinstance(each.ball, ms.Track)]
+
+
+def absent(key: str) -> str:
+    """Why a follower cannot be had here; empty if it can."""
+    if key in PEERS:
+        return "" if PEERS[key].python.exists() else "not installed: `make bench-crowds` does it"
+    if key == "matchset" and not hasattr(ms, "MultiTracker"):
+        return "not in this version"
+    return ""
+
+
+class Field:
+    """All followers; the processes of peers are kept for several crowds.
+
+    Used as a context manager, it ends them.
+    """
+
+    def __init__(self) -> None:
+        self._processes: dict[str, PeerProcess] = {}
+
+    def __enter__(self) -> "Field":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._processes.values():
+            process.close()
+
+    def own(self, key: str, crowd: Crowd, color: ms.ColorModel) -> Follower:
+        """Make one of matchset's."""
+        return Many(color) if key == "matchset" else ByNeighbors(color, crowd.radius)
+
+    def fed(self, key: str, given: Watched, parameters: dict[str, Any] | None = None) -> FedPeer:
+        """Make a peer for one crowd, with its stored parameters or others."""
+        if key not in self._processes:
+            self._processes[key] = PeerProcess(key)
+        return FedPeer(self._processes[key], parameters or stored(key), given.found, given.seconds)
+
+
+def version(key: str) -> str:
+    """What decides the answers of a follower to a crowd: where it differs they are found anew."""
+    if key in PEERS:
+        values = ", ".join(f"{name} {value}" for name, value in sorted(stored(key).items()))
+        return f"{checksum(DETECTING)}: {values}"
+    return checksum(FOLLOWING)

@@ -1,0 +1,117 @@
+"""What a tracker of others is, and all that there are: `Peer`, `PEERS`. Imports nothing that must be installed."""
+
+import importlib
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+PARAMETERS = Path(__file__).with_name("parameters.toml")
+ROOT = Path(__file__).resolve().parents[3]
+
+Detection = tuple[float, float, float, float]
+"""x, y, radius, px, and how sure it is, 0 ... 1."""
+Named = tuple[int, float, float, float]
+"""Name, x, y, radius, px."""
+Step = Callable[[list[Detection]], list[Named]]
+"""From what was detected in a frame to what is answered of it."""
+
+
+class Peer(NamedTuple):
+    """A tracker of others.
+
+    Parameters
+    ----------
+    name : str
+        Its name in tables.
+    environment : str
+        Folder below `.bench` in which it is installed.
+    module : str
+        Where its `start` is, below this folder: from parameters to a `Step`.
+    choices : dict
+        Values of each parameter that are tried; the first is what it begins with.
+    """
+
+    name: str
+    environment: str
+    module: str
+    choices: dict[str, tuple[Any, ...]]
+
+    @property
+    def python(self) -> Path:
+        """The interpreter of its environment."""
+        return ROOT / ".bench" / self.environment / "bin" / "python"
+
+    def start(self, key: str, parameters: dict[str, Any]) -> Step:
+        """Make one; only where it is installed."""
+        step: Step = importlib.import_module(f"benchmarks.crowds.peers.{self.module}").start(key, parameters)
+        return step
+
+
+_SHARED: dict[str, tuple[Any, ...]] = {
+    "lost_track_buffer": (30, 8, 15, 60, 120),
+    "minimum_consecutive_frames": (2, 1, 3),
+    "state": ("XYXY", "XCYCSR"),
+    "overlap": ("iou", "giou", "diou", "wide_iou"),
+}
+PEERS = {
+    "norfair": Peer(
+        "norfair 2.3",
+        "crowds-norfair",
+        "norfair",
+        {
+            "distance_threshold": (40.0, 15.0, 25.0, 60.0, 90.0),
+            "hit_counter_max": (15, 5, 30, 60),
+            "initialization_delay": (2, 0, 1, 4),
+            "measurement_noise": (4.0, 0.5, 1.0, 16.0),
+            "process_noise": (0.1, 0.02, 0.5, 2.0),
+            "predicted": (False, True),
+        },
+    ),
+    "byte_track": Peer(
+        "ByteTrack (trackers 2.6)",
+        "crowds-trackers",
+        "sort_family",
+        {
+            "minimum_iou_threshold": (0.1, -0.3, 0.02, 0.2, 0.3),
+            "track_activation_threshold": (0.7, 0.5, 0.6, 0.8, 0.9),
+            "high_conf_det_threshold": (0.6, 0.5, 0.7, 0.8),
+            **_SHARED,
+        },
+    ),
+    "oc_sort": Peer(
+        "OC-SORT (trackers 2.6)",
+        "crowds-trackers",
+        "sort_family",
+        {
+            "minimum_iou_threshold": (0.3, -0.3, 0.02, 0.1, 0.2),
+            "direction_consistency_weight": (0.2, 0.0, 0.1, 0.4),
+            "high_conf_det_threshold": (0.6, 0.5, 0.7),
+            "delta_t": (3, 1, 2, 5),
+            **_SHARED,
+        },
+    ),
+    "sort": Peer(
+        "SORT (trackers 2.6)",
+        "crowds-trackers",
+        "sort_family",
+        {
+            "minimum_iou_threshold": (0.3, -0.3, 0.02, 0.1, 0.2),
+            "track_activation_threshold": (0.25, 0.6, 0.7, 0.8),
+            **_SHARED,
+        },
+    ),
+}
+
+
+def defaults(peer: Peer) -> dict[str, Any]:
+    """What a search begins with."""
+    return {name: values[0] for name, values in peer.choices.items()}
+
+
+def stored(key: str) -> dict[str, Any]:
+    """Parameters of a peer that the search has found; what it begins with where it has not."""
+    found: dict[str, Any] = {}
+    if PARAMETERS.exists():
+        found = tomllib.loads(PARAMETERS.read_text(encoding="utf-8")).get(key, {})
+    return defaults(PEERS[key]) | {name: value for name, value in found.items() if name in PEERS[key].choices}

@@ -1,4 +1,6 @@
-"""Crowds of equal balls with exact truth: who keeps which name?
+"""Crowds of equal balls with exact truth, and who keeps which name.
 
-Read `scenes` (juggling, billiards, a swarm), then `score` (HOTA, IDF1, switches of identities) and `__main__`.
+Read `crowd.py`, then `scenes.py`, `juggling.py` and `pair.py`: what is rendered. `cases.py`: what is detected in it;
+`followers.py` and `peers/`: who follows it; `score.py`: HOTA, IDF1, switches of names; `rows.py`, `page.py` and
+`__main__.py`: the table.
 """

@@ -16,6 +16,7 @@ from benchmarks.crowds.scenes import SCENES
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "crowds"
 PAIR = "pair"
+MOST = 20  # balls of a crowd
 CLEAR = 0.95  # share of a ball that must be seen for a click on it
 DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
 """Folders of the package that decide what is rendered and detected; following many balls at once is left out."""
@@ -40,29 +41,27 @@ class Case(msgspec.Struct, frozen=True):
     seconds: float
     seed: int
 
-    def crowd(self) -> Crowd:
-        """Make it; a pair has two balls and a length of its own.
+    def __post_init__(self) -> None:
+        if self.scene not in SCENES and self.scene != PAIR:
+            raise ValueError(f"a scene is one of {', '.join([*SCENES, PAIR])}, got {self.scene!r}")
+        if not 1 <= self.balls <= MOST:
+            raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
 
-        Raises
-        ------
-        ValueError
-            If there is no such scene.
-        """
+    def crowd(self) -> Crowd:
+        """Make it; a pair has two balls and a length of its own."""
         if self.scene == PAIR:
             return hidden_pair(self.seed)
-        if self.scene not in SCENES:
-            raise ValueError(f"a scene is one of {', '.join([*SCENES, PAIR])}, got {self.scene!r}")
         return SCENES[self.scene](self.balls, self.seconds, self.seed)
 
 
 def cases(scenes: list[str], balls: list[int], seconds: float, seeds: tuple[int, ...]) -> list[Case]:
     """List the crowds of some scenes, numbers of balls and seeds; a pair is listed once for each seed."""
-    listed = []
-    for scene in scenes:
-        for number in [2] if scene == PAIR else balls:
-            for seed in seeds:
-                listed.append(Case(scene, number, SECONDS if scene == PAIR else seconds, seed))
-    return listed
+    return [
+        Case(scene, number, SECONDS if scene == PAIR else seconds, seed)
+        for scene in scenes
+        for number in ([2] if scene == PAIR else balls)
+        for seed in seeds
+    ]
 
 
 class Watched(msgspec.Struct, frozen=True):
@@ -83,7 +82,7 @@ class Watched(msgspec.Struct, frozen=True):
     seconds: list[float]
 
     def seen(self) -> list[list[Seen]]:
-        """The truth of every frame."""
+        """Return the truth of every frame."""
         return [[Seen(name, ms.Circle(x, y, r), share) for name, x, y, r, share in there] for there in self.truth]
 
 

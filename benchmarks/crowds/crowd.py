@@ -36,7 +36,7 @@ class Limb(NamedTuple):
     end_radius: float
 
     def capsule(self) -> Capsule:
-        """What the camera sees of it, px."""
+        """Project it into the picture, px."""
         ends = []
         for (x, y, z), radius in ((self.begin, self.begin_radius), (self.end, self.end_radius)):
             ends += [CAMERA.fx * x / z + CAMERA.cx, CAMERA.fy * y / z + CAMERA.cy, CAMERA.fx * radius / z]
@@ -104,7 +104,7 @@ class Crowd:
             yield ms.Frame(image, index / FPS, index), self.truth(index / FPS)
 
     def truth(self, time: float) -> list[Seen]:
-        """What is there at a time, s, in the order of the identities."""
+        """Say what is there at a time, s, in the order of the identities."""
         free = np.ones((CAMERA.height, CAMERA.width), bool)
         found = []
         for number, each in reversed(self._there(time)):
@@ -125,7 +125,9 @@ class Crowd:
         """Balls, each with its number, and hands, the farthest first."""
         places = [path(time) for path in self.paths]
         there: list[tuple[float, int, Floats | list[Limb]]] = [
-            (float(place[2]), number, np.array(place, float)) for number, place in enumerate(places) if place is not None
+            (float(place[2]), number, np.array(place, float))
+            for number, place in enumerate(places)
+            if place is not None
         ]
         hands = [hand(time) for hand in self.hands]
         there += [(limbs[0].begin[2], -1 - number, limbs) for number, limbs in enumerate(hands)]

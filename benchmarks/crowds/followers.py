@@ -4,13 +4,13 @@ import time
 from typing import Any, Protocol
 
 import matchset as ms
-from benchmarks.crowds.cases import DETECTING, FOLLOWING, Watched, checksum
+from benchmarks.crowds.cases import DETECTING, FOLLOWING, MOST, Watched, checksum
 from benchmarks.crowds.crowd import CAMERA, Crowd
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
 from benchmarks.crowds.peers.peer import PEERS, stored
 from benchmarks.crowds.score import Answer
+from matchset.localization.neighbors.neighbors import NeighborsParameters
 
-MOST = 20  # targets at once
 PURPLE = ((135, 80, 40), (165, 255, 255))  # HSV limits of a marker that no ball of these crowds has
 OWN = {"matchset": "matchset `MultiTracker`", "neighbors": "matchset `Neighbors`"}
 NAMES = OWN | {key: peer.name for key, peer in PEERS.items()}
@@ -51,7 +51,7 @@ class ByNeighbors:
 
     def __init__(self, color: ms.ColorModel, radius: float) -> None:
         ball = ms.BallTarget(2.0 * radius, markers=((0, 0, 1),))
-        parameters = ms.NeighborsParameters(max_count=MOST)
+        parameters = NeighborsParameters(max_count=MOST)
         self._neighbors = ms.Neighbors(CAMERA, ball, color, ms.ColorModel.hsv(*PURPLE), parameters)
         self.seconds = 0.0
 
@@ -100,7 +100,7 @@ class Field:
 
 
 def version(key: str) -> str:
-    """What decides the answers of a follower to a crowd: where it differs they are found anew."""
+    """Say what decides the answers of a follower to a crowd: where it differs they are found anew."""
     if key in PEERS:
         values = ", ".join(f"{name} {value}" for name, value in sorted(stored(key).items()))
         return f"{checksum(DETECTING)}: {values}"

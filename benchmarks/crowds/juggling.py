@@ -1,6 +1,7 @@
 """Jugglers with up to five balls each: `juggling`; their hands hide the balls that they hold."""
 
 import bisect
+import itertools
 import math
 from typing import NamedTuple
 
@@ -76,7 +77,7 @@ class Juggler:
         ]
         self._holds: list[list[Hold]] = [[], []]
         for throws in self._throws:
-            for leg, (one, other) in enumerate(zip(throws, throws[1:], strict=False)):
+            for leg, (one, other) in enumerate(itertools.pairwise(throws)):
                 self._holds[(leg + 1) % 2].append(Hold(one.end, one.caught, other.begin, other.thrown))
         for holds in self._holds:
             holds.sort()
@@ -106,7 +107,7 @@ class Juggler:
         return Hold(throw.end, throw.caught, throws[leg + 1].begin, throws[leg + 1].thrown).at(time)
 
     def hands(self) -> list[LimbFunction]:
-        """The limbs of both hands at a time."""
+        """Return the limbs of both hands at a time."""
         return [lambda time, side=side: self._limbs(side, time) for side in range(2)]
 
     def _limbs(self, side: int, time: float) -> list[Limb]:
@@ -153,7 +154,7 @@ def juggling(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
 
 
 def _swung(begin: Point, end: Point, share: float, dip: float) -> Point:
-    """A place between two, down an arc that begins and ends slowly."""
+    """Go from one place to another, down an arc that begins and ends slowly."""
     eased = share * share * (3.0 - 2.0 * share)
     x, y, z = (a + eased * (b - a) for a, b in zip(begin, end, strict=True))
     return x, y + dip * math.sin(math.pi * share), z

@@ -19,8 +19,8 @@ Flat = tuple[float, float]
 def hidden_pair(seed: int, preset: str = "typical") -> Crowd:
     """Two equal balls; the nearer one hides the other for a second, and both come out.
 
-    Both fly at constant velocity across the view; the farther one comes out on the other side. Every third seed, it turns
-    back while it is hidden, at constant acceleration, and comes out on the side on which it went in.
+    Both fly at constant velocity across the view; the farther one comes out on the other side. Every third seed, it
+    turns back while it is hidden, at constant acceleration, and comes out on the side on which it went in.
     """
     random = np.random.default_rng(seed)
     while True:
@@ -46,14 +46,14 @@ def _apart(near: float, far: float) -> float:
 
 
 def _passing(apart: float, random: np.random.Generator) -> Callable[[float], Flat]:
-    """A line past the middle of the nearer ball, at constant velocity; s to px."""
+    """Pass along a line past the middle of the nearer ball, at constant velocity; s to px."""
     beside = random.uniform(-0.5, 0.5) * apart
     speed = 2.0 * math.sqrt(apart**2 - beside**2) / HIDDEN
     return lambda time: (speed * time, beside)
 
 
 def _turning(apart: float, random: np.random.Generator) -> Callable[[float], Flat]:
-    """A way behind the nearer ball and back, at constant acceleration while it is hidden; s to px."""
+    """Go behind the nearer ball and back, at constant acceleration while it is hidden; s to px."""
     least = random.uniform(0.1, 0.5) * apart
     half = HIDDEN / 2.0
 
@@ -68,7 +68,7 @@ def _turning(apart: float, random: np.random.Generator) -> Callable[[float], Fla
 def _course(
     middle: np.ndarray, speed: np.ndarray, direction: float, relative: Callable[[float], Flat]
 ) -> Callable[[float], Flat]:
-    """A place in the picture by the time from the middle of the scene; px from the camera's axis."""
+    """Return a place in the picture by the time from the middle of the scene; px from the camera's axis."""
     c, s = math.cos(direction), math.sin(direction)
 
     def place(time: float) -> Flat:

@@ -1,4 +1,4 @@
-"""How well one follower keeps the names of one crowd, kept in a file as soon as it is known: `Row`, `Kept`, `follow`."""
+"""How well a follower keeps the names of a crowd, kept in a file as soon as it is known: `Row`, `Kept`, `follow`."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path

@@ -106,7 +106,7 @@ def _far_apart(balls: int) -> list[int]:
 
 
 def _swing(depth: float, angle: float, late: float, beside: float, end: int) -> PositionFunction:
-    """A swing through the middle of the picture that begins at one end of its line."""
+    """Swing through the middle of the picture that begins at one end of its line."""
     far = 0.8 * float(HALF[1]) * depth
     along, across = np.array((math.cos(angle), math.sin(angle))), np.array((-math.sin(angle), math.cos(angle)))
 

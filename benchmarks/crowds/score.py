@@ -1,5 +1,7 @@
 """Who kept which name: HOTA, IDF1 and switches of identities by TrackEval, and what only the truth tells: `Score`."""
 
+import contextlib
+import io
 import math
 from collections import Counter
 from collections.abc import Iterable
@@ -72,7 +74,7 @@ def names_kept(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]], fra
 
 
 def _called(pairs: Iterable[tuple[list[Seen], list[Answer]]]) -> dict[int, int | None]:
-    """The name that each ball has in most frames; None where it has none."""
+    """Find the name that each ball has in most frames; None where it has none."""
     counts: dict[int, Counter[int | None]] = {}
     for seen, said in pairs:
         for ball in seen:
@@ -87,7 +89,8 @@ def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score
 
     Answers on balls that are hidden more than `MIN_VISIBLE` allows count neither for nor against.
     """
-    from trackeval.metrics import CLEAR, HOTA, Identity
+    with contextlib.redirect_stdout(io.StringIO()):  # it prints which of its data sets cannot be read
+        from trackeval.metrics import CLEAR, HOTA, Identity
 
     frames = [_frame(seen, said) for seen, said in zip(truth, answers, strict=True)]
     balls = sorted({name for balls, _, _ in frames for name in balls})

@@ -29,7 +29,9 @@ class PeerProcess:
             raise FileNotFoundError(f"{peer.name} is not installed: no {peer.python.relative_to(ROOT)}")
         command = [str(peer.python), "-m", "benchmarks.crowds.peers.process", key]
         pipe = subprocess.PIPE
-        self._process = subprocess.Popen(command, cwd=ROOT, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True)
+        self._process = subprocess.Popen(
+            command, cwd=ROOT, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True
+        )
 
     def ask(self, message: Any) -> str:
         """Send a line, and return the answer.

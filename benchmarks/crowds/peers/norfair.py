@@ -16,9 +16,7 @@ def start(_: str, parameters: dict[str, Any]) -> Step:
         distance_threshold=parameters["distance_threshold"],
         hit_counter_max=parameters["hit_counter_max"],
         initialization_delay=min(parameters["initialization_delay"], parameters["hit_counter_max"] - 1),
-        filter_factory=OptimizedKalmanFilterFactory(
-            R=parameters["measurement_noise"], Q=parameters["process_noise"]
-        ),
+        filter_factory=OptimizedKalmanFilterFactory(R=parameters["measurement_noise"], Q=parameters["process_noise"]),
     )
 
     def step(found: list[Detection]) -> list[Named]:

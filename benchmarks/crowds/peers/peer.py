@@ -105,12 +105,12 @@ PEERS = {
 
 
 def defaults(peer: Peer) -> dict[str, Any]:
-    """What a search begins with."""
+    """Return what a search begins with."""
     return {name: values[0] for name, values in peer.choices.items()}
 
 
 def stored(key: str) -> dict[str, Any]:
-    """Parameters of a peer that the search has found; what it begins with where it has not."""
+    """Return parameters of a peer that the search has found; what it begins with where it has not."""
     found: dict[str, Any] = {}
     if PARAMETERS.exists():
         found = tomllib.loads(PARAMETERS.read_text(encoding="utf-8")).get(key, {})

@@ -1,0 +1,73 @@
+"""Who keeps which name in a crowd of equal balls: `make bench-crowds`, or `python -m benchmarks.crowds`.
+
+Each crowd of each follower is kept in `crowds.kept` as soon as it is known: a run that was stopped goes on. What is
+asked for is printed as a page, and written to a file if one is named.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from benchmarks.crowds.cases import PAIR, cases
+from benchmarks.crowds.followers import NAMES, Field, absent
+from benchmarks.crowds.page import page
+from benchmarks.crowds.rows import Kept, follow
+from benchmarks.crowds.scenes import SCENES
+from benchmarks.machine import Machine
+from benchmarks.options import parse_seeds
+from benchmarks.workers import one_thread
+
+FOLDER = Path(__file__).resolve().parents[1]
+KEPT = FOLDER / "crowds.kept"
+PAGE = FOLDER / "CROWDS.md"
+
+
+def main(
+    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join([*SCENES, PAIR])}.")] = ",".join([*SCENES, PAIR]),
+    balls: Annotated[str, typer.Option(help="How many, with commas.")] = "2,5,10,20",
+    seeds: Annotated[str, typer.Option(help="As '200-204'; peers were tuned on 100 and 101.")] = "200-204",
+    followers: Annotated[str, typer.Option(help=f"Some of {', '.join(NAMES)}.")] = ",".join(NAMES),
+    seconds: Annotated[float, typer.Option(min=1.0, help="Length of a crowd, s.")] = 10.0,
+    output: Annotated[Path | None, typer.Option("-o", help=f"Write the page there: {PAGE.name}.")] = None,
+) -> None:
+    """Follow crowds, and print the table."""
+    one_thread()
+    try:
+        listed = cases(_words(scenes), [int(each) for each in _words(balls)], seconds, parse_seeds(seeds))
+        keys = _known(_words(followers))
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    kept, here = Kept(KEPT), Machine.here()
+    machine = f"{here.processor}, {here.cores} cores"
+    with Field() as field:
+        for number, case in enumerate(listed, 1):
+            missing = [key for key in keys if kept.get(case, key) is None]
+            if missing:
+                print(f"{number} of {len(listed)}: {case.scene}, {case.balls} balls, seed {case.seed}", file=sys.stderr)
+                follow(case, missing, field, machine, kept.add)
+    rows = [row for case in listed for key in keys if (row := kept.get(case, key))]
+    where = f"{here.date}, commit {here.commit}, {machine}. Seeds {seeds}. Written by `make bench-crowds`."
+    text = page(rows, where)
+    if output:
+        output.write_text(text, encoding="utf-8")
+    print(text)
+
+
+def _words(text: str) -> list[str]:
+    return [each.strip() for each in text.split(",") if each.strip()]
+
+
+def _known(keys: list[str]) -> list[str]:
+    """Those that are here; say which are not."""
+    for key in keys:
+        if key not in NAMES:
+            raise ValueError(f"a follower is one of {', '.join(NAMES)}, got {key!r}")
+        if reason := absent(key):
+            print(f"{NAMES[key]} is left out: {reason}", file=sys.stderr)
+    return [key for key in keys if not absent(key)]
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -16,9 +16,9 @@ BALL = 0.08  # m, radius
 FLIGHT = 0.85  # s, of a throw; 0.9 m high
 HELD = 0.32  # s, for which a hand holds a ball
 LEG = FLIGHT + HELD  # s, from throw to throw of a ball
-INSIDE, OUTSIDE = 0.12, 0.36  # m, beside the juggler's middle: where balls are thrown, and where they are caught
+INSIDE, OUTSIDE = 0.16, 0.38  # m, beside the juggler's middle: where balls are thrown, and where they are caught
 LOW = 0.52  # m, below the camera's axis: the hands
-LANE = 0.11  # m, by which throws of one hand are nearer, and those of the other farther: they do not collide
+LANE = 0.14  # m, by which throws of one hand are nearer, and those of the other farther: they do not collide
 DIP = 0.09  # m, by which a hand goes down while it holds a ball
 
 

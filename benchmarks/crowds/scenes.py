@@ -11,10 +11,11 @@ from benchmarks.crowds.juggling import juggling
 from matchset.sim.clips.multi_ball_clip import PositionFunction
 
 STEPS = 240  # a second, in which paths with collisions are computed
+FINER = 4  # steps of billiards in each of those
 DEPTH = 3.2  # m, of a swarm's middle
 HALF = np.array((CAMERA.width / CAMERA.fx, CAMERA.height / CAMERA.fy)) / 2.0  # of the picture, at 1 m
 PULL = 3.0  # rad/s, of the spring between a ball of a swarm and its aim
-PUSH = 900.0  # 1/s^2, between balls of a swarm that would touch
+PUSH = 6000.0  # 1/s^2, between balls of a swarm that would touch
 EVERY = 2.0  # s, between crossings
 
 
@@ -27,9 +28,9 @@ def billiards(balls: int, seconds: float, seed: int, preset: str = "typical") ->
     speeds = random.normal(0.0, 0.9, (balls, 2))
     courses = np.empty((round(seconds * STEPS) + STEPS, balls, 3))
     courses[:, :, 2] = depth
-    for step in range(len(courses)):
-        courses[step, :, :2] = places
-        places = places + speeds / STEPS
+    for step in range(FINER * len(courses)):
+        courses[step // FINER, :, :2] = places
+        places = places + speeds / (FINER * STEPS)
         outside = (np.abs(places) > half) & (places * speeds > 0.0)
         speeds[outside] *= -1.0
         for one, other in _touching(places):
@@ -47,8 +48,8 @@ def swarm(balls: int, seconds: float, seed: int, preset: str = "typical") -> Cro
     Each is drawn to an aim of its own, a sum of three waves along each axis, and pushed from others before they touch.
     """
     random = np.random.default_rng(seed)
-    rates, phases = random.uniform(0.08, 0.35, (balls, 3, 3)), random.uniform(0.0, 2 * math.pi, (balls, 3, 3))
-    sizes = np.array((0.8, 0.4, 0.6)) * random.uniform(0.5, 1.0, (balls, 3, 3))  # m; three waves, axes x, y, z
+    rates, phases = random.uniform(0.06, 0.28, (balls, 3, 3)), random.uniform(0.0, 2 * math.pi, (balls, 3, 3))
+    sizes = np.array((1.0, 0.65, 0.6)) * random.uniform(0.5, 1.0, (balls, 3, 3))  # m; three waves, axes x, y, z
     courses = np.empty((round(seconds * STEPS) + STEPS, balls, 3))
     places, speeds = np.zeros((balls, 3)), np.zeros((balls, 3))
     for step in range(-3 * STEPS, len(courses)):

@@ -3,6 +3,7 @@
 import bisect
 import itertools
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -96,7 +97,7 @@ class Juggler:
 
     def paths(self) -> list[PositionFunction]:
         """Where each ball is at a time."""
-        return [lambda time, number=number: self._place(number, time) for number in range(len(self._throws))]
+        return [partial(self._place, number) for number in range(len(self._throws))]
 
     def _place(self, number: int, time: float) -> Point:
         throws = self._throws[number]
@@ -108,7 +109,7 @@ class Juggler:
 
     def hands(self) -> list[LimbFunction]:
         """Return the limbs of both hands at a time."""
-        return [lambda time, side=side: self._limbs(side, time) for side in range(2)]
+        return [partial(self._limbs, side) for side in range(2)]
 
     def _limbs(self, side: int, time: float) -> list[Limb]:
         """Forearm, palm and fingers, between the camera and the ball that is held."""
@@ -142,11 +143,11 @@ def juggling(balls: int, seconds: float, seed: int, preset: str = "typical") -> 
     """Balls that jugglers throw from hand to hand, up to five each, beside each other."""
     random = np.random.default_rng(seed)
     persons = math.ceil(balls / EACH)
-    depth = 1.9 if persons < 3 else 0.72 * persons
+    depth = 1.9 if persons < 3 else 0.75 * persons
     jugglers = []
     for person in range(persons):
         own = balls // persons + (person < balls % persons)
-        x = (person - (persons - 1) / 2.0) * (1.2 if persons < 3 else 0.98) + 0.03 * random.standard_normal()
+        x = (person - (persons - 1) / 2.0) * (1.2 if persons < 3 else 1.06) + 0.03 * random.standard_normal()
         jugglers.append(Juggler(own, (x, depth + 0.05 * random.standard_normal()), seconds, random))
     paths = [path for each in jugglers for path in each.paths()]
     hands = [hand for each in jugglers for hand in each.hands()]

@@ -48,7 +48,7 @@ def table(rows: Sequence[Row]) -> str:
     """Write a line for each scene, number of balls and follower; the best HOTA of a crowd is bold."""
     groups = _grouped(rows)
     hotas = {key: _mean(group, "hota") for key, group in groups.items()}
-    lines = [HEAD]
+    lines: list[tuple[str, ...]] = [HEAD]
     for (crowd, key), group in groups.items():
         hota = hotas[crowd, key]
         best = hota > max(value for (other, _), value in hotas.items() if other == crowd) - 5e-4
@@ -65,7 +65,7 @@ def table(rows: Sequence[Row]) -> str:
 
 def pair_table(rows: Sequence[Row]) -> str:
     """Write a line for each follower: in how many scenes both have their names at the end."""
-    lines = [PAIR_HEAD]
+    lines: list[tuple[str, ...]] = [PAIR_HEAD]
     for (_, key), group in _grouped(rows).items():
         right = f"{sum(row.right is True for row in group)} of {len(group)}"
         figures = [f"{_mean(group, 'hota'):.3f}", *(f"{_mean(group, each):.1f}" for each in PAIR_HEAD[3:])]

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_bipartite_matching
 
 import matchset as ms
 from benchmarks.crowds.crowd import MIN_VISIBLE, Seen, shared_area
@@ -36,7 +38,7 @@ class Score(NamedTuple):
     names : int
         Names that were given.
     doubled : int
-        Answers of a frame that lie on a ball on which another answer lies, too.
+        Answers on balls beyond one for each ball of a frame: two targets on one ball.
     missed, false : float
         Shares of the balls that count without an answer, and of the answers without a ball.
     """
@@ -92,7 +94,8 @@ def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score
     with contextlib.redirect_stdout(io.StringIO()):  # it prints which of its data sets cannot be read
         from trackeval.metrics import CLEAR, HOTA, Identity
 
-    frames = [_frame(seen, said) for seen, said in zip(truth, answers, strict=True)]
+    pairs = list(zip(truth, answers, strict=True))
+    frames = [_frame(seen, said) for seen, said in pairs]
     balls = sorted({name for balls, _, _ in frames for name in balls})
     names = sorted({name for _, names, _ in frames for name in names})
     data = {
@@ -111,17 +114,25 @@ def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score
         hota=float(np.mean(hota["HOTA"])),
         idf1=float(identity["IDF1"]),
         switches=int(clear["IDSW"]),
-        names=len(names),
-        doubled=sum(int(np.maximum((overlaps > MIN_IOU).sum(axis=1) - 1, 0).sum()) for _, _, overlaps in frames),
-        missed=float(clear["CLR_FN"] / max(data["num_gt_dets"], 1)),
-        false=float(clear["CLR_FP"] / max(data["num_tracker_dets"], 1)),
+        names=len({answer.identity for _, said in pairs for answer in said}),
+        doubled=sum(_doubled(seen, said) for seen, said in pairs),
+        missed=float(clear["CLR_FN"] / max(sum(len(balls) for balls, _, _ in frames), 1)),
+        false=float(clear["CLR_FP"] / max(sum(len(names) for _, names, _ in frames), 1)),
     )
+
+
+def _doubled(seen: list[Seen], said: list[Answer]) -> int:
+    """How many answers lie on balls, hidden ones too, beyond one for each ball."""
+    on = np.array([[iou(ball.circle, answer.circle) > MIN_IOU for ball in seen] for answer in said], bool)
+    on = on.reshape(len(said), len(seen))
+    single = maximum_bipartite_matching(csr_array(on), perm_type="column")
+    return int(on.any(axis=1).sum() - (single >= 0).sum())
 
 
 def _frame(seen: list[Seen], said: list[Answer]) -> tuple[list[int], list[int], npt.NDArray[np.float64]]:
     """Balls and names of a frame that count, and how far each two of them are the same."""
     counted = [each for each in seen if each.visible >= MIN_VISIBLE]
-    hidden = [each for each in seen if 0.0 < each.visible < MIN_VISIBLE]
+    hidden = [each for each in seen if each.visible < MIN_VISIBLE]
     overlaps = np.array([[iou(ball.circle, answer.circle) for answer in said] for ball in counted])
     overlaps = overlaps.reshape(len(counted), len(said))
     kept = [

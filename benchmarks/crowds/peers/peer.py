@@ -52,8 +52,8 @@ _SHARED: dict[str, tuple[Any, ...]] = {
     "lost_track_buffer": (30, 8, 15, 60, 120),
     "minimum_consecutive_frames": (2, 1, 3),
     "state": ("XYXY", "XCYCSR"),
-    "overlap": ("iou", "giou", "diou", "wide_iou"),
 }
+_OVERLAPS = ("iou", "giou", "diou", "wide_iou")
 PEERS = {
     "norfair": Peer(
         "norfair 2.3",
@@ -73,7 +73,8 @@ PEERS = {
         "crowds-trackers",
         "sort_family",
         {
-            "minimum_iou_threshold": (0.1, -0.3, 0.02, 0.2, 0.3),
+            "overlap": _OVERLAPS,
+            "minimum_iou_threshold": (0.1, -0.6, -0.3, 0.02, 0.2, 0.3),
             "track_activation_threshold": (0.7, 0.5, 0.6, 0.8, 0.9),
             "high_conf_det_threshold": (0.6, 0.5, 0.7, 0.8),
             **_SHARED,
@@ -84,7 +85,8 @@ PEERS = {
         "crowds-trackers",
         "sort_family",
         {
-            "minimum_iou_threshold": (0.3, -0.3, 0.02, 0.1, 0.2),
+            "overlap": _OVERLAPS,
+            "minimum_iou_threshold": (0.3, -0.6, -0.3, 0.02, 0.1, 0.2),
             "direction_consistency_weight": (0.2, 0.0, 0.1, 0.4),
             "high_conf_det_threshold": (0.6, 0.5, 0.7),
             "delta_t": (3, 1, 2, 5),
@@ -96,7 +98,8 @@ PEERS = {
         "crowds-trackers",
         "sort_family",
         {
-            "minimum_iou_threshold": (0.3, -0.3, 0.02, 0.1, 0.2),
+            "overlap": _OVERLAPS,
+            "minimum_iou_threshold": (0.3, -0.6, -0.3, 0.02, 0.1, 0.2),
             "track_activation_threshold": (0.25, 0.6, 0.7, 0.8),
             **_SHARED,
         },

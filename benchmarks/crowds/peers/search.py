@@ -1,18 +1,21 @@
 """The best parameters of every peer, on crowds that are not reported: `python -m benchmarks.crowds.peers.search`.
 
-What is searched for is the highest HOTA, the mean over scenes and numbers of balls. Each parameter in turn is set to
-the best of the values that `peer.py` lists, in two rounds; what is found is written to `parameters.toml`.
+What is searched for is the highest HOTA, the mean over scenes and numbers of balls. The first two parameters of a peer
+are varied together, then each in turn is set to the best of the values that `peer.py` lists, in two rounds. What is found
+is written to `parameters.toml`.
 """
 
+import itertools
+import json
+import tomllib
 from typing import Annotated, Any
 
-import msgspec
 import numpy as np
 import typer
 
 from benchmarks.crowds.cases import PAIR, Case, Watched, cases, watched
 from benchmarks.crowds.followers import Field
-from benchmarks.crowds.peers.peer import PARAMETERS, PEERS, defaults, stored
+from benchmarks.crowds.peers.peer import PARAMETERS, PEERS, defaults
 from benchmarks.crowds.rows import follow_fed
 from benchmarks.crowds.scenes import SCENES
 from benchmarks.crowds.score import score
@@ -33,14 +36,12 @@ def main(
     chosen = parse_seeds(seeds)
     crowds = cases(list(SCENES), [5, 10], seconds, chosen) + cases([PAIR], [2], seconds, tuple(range(100, 106)))
     known = [(case, watched(case)) for case in crowds]
-    found = {key: stored(key) for key in PEERS}
-    notes: list[str] = []
     with Field() as field:
         for key in only.split(",") if only else list(PEERS):
-            found[key], best, tries = search(field, key, known)
-            notes.append(f"{key}: mean HOTA {best:.3f} after {tries} tries on seeds {seeds}, {seconds:g} s each")
-            print(notes[-1], found[key], flush=True)
-            write(found, notes)
+            best, hota, tries = search(field, key, known)
+            how = f"mean HOTA {hota:.3f}, the best of {tries} tries on seeds {seeds}, {seconds:g} s each"
+            print(f"{key}: {how}", best, flush=True)
+            write(key, {**best, "how": how})
 
 
 def search(field: Field, key: str, known: Known) -> tuple[dict[str, Any], float, int]:
@@ -60,9 +61,12 @@ def search(field: Field, key: str, known: Known) -> tuple[dict[str, Any], float,
             tried[name] = mean_hota(field, key, known, parameters)
         return tried[name]
 
-    best = defaults(PEERS[key])
+    choices = PEERS[key].choices
+    names = list(choices)[:2]
+    grid = itertools.product(*(choices[name] for name in names))
+    best = max((defaults(PEERS[key]) | dict(zip(names, values, strict=True)) for values in grid), key=merit)
     for _ in range(ROUNDS):
-        for name, values in PEERS[key].choices.items():
+        for name, values in choices.items():
             best = max(({**best, name: value} for value in (best[name], *values)), key=merit)
     return best, merit(best), len(tried)
 
@@ -76,10 +80,14 @@ def mean_hota(field: Field, key: str, known: Known, parameters: dict[str, Any]) 
     return float(np.mean([np.mean(each) for each in found.values()]))
 
 
-def write(found: dict[str, dict[str, Any]], notes: list[str]) -> None:
-    """Write the file of parameters."""
-    head = "".join(f"# {note}\n" for note in ["Written by `python -m benchmarks.crowds.peers.search`.", *notes])
-    PARAMETERS.write_bytes(head.encode() + msgspec.toml.encode(found))
+def write(key: str, parameters: dict[str, Any]) -> None:
+    """Write what was found for a peer into the file of parameters; what it says of others stays."""
+    tables = tomllib.loads(PARAMETERS.read_text(encoding="utf-8")) if PARAMETERS.exists() else {}
+    tables[key] = parameters
+    lines = ["# Written by `python -m benchmarks.crowds.peers.search`."]
+    for name in sorted(tables):
+        lines += ["", f"[{name}]", *(f"{each} = {json.dumps(value)}" for each, value in tables[name].items())]
+    PARAMETERS.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -10,11 +10,12 @@ from typing import Annotated
 
 import typer
 
-from benchmarks.crowds.cases import PAIR, cases
+from benchmarks.crowds.cases import EVERY, Case, cases
 from benchmarks.crowds.followers import NAMES, Field, absent
+from benchmarks.crowds.labelled import NAMES as CLIPS
+from benchmarks.crowds.labelled import folder
 from benchmarks.crowds.page import page
 from benchmarks.crowds.rows import Kept, follow
-from benchmarks.crowds.scenes import SCENES
 from benchmarks.machine import Machine
 from benchmarks.options import parse_seeds
 from benchmarks.workers import one_thread
@@ -25,7 +26,7 @@ PAGE = FOLDER / "CROWDS.md"
 
 
 def main(
-    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join([*SCENES, PAIR])}.")] = ",".join([*SCENES, PAIR]),
+    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join(EVERY)}.")] = ",".join(EVERY),
     balls: Annotated[str, typer.Option(help="How many, with commas.")] = "2,5,10,20",
     seeds: Annotated[str, typer.Option(help="As '200-204'; peers were tuned on 100 and 101.")] = "200-204",
     followers: Annotated[str, typer.Option(help=f"Some of {', '.join(NAMES)}.")] = ",".join(NAMES),
@@ -35,7 +36,7 @@ def main(
     """Follow crowds, and print the table."""
     one_thread()
     try:
-        listed = cases(_words(scenes), [int(each) for each in _words(balls)], seconds, parse_seeds(seeds))
+        listed = cases(_here(_words(scenes)), [int(each) for each in _words(balls)], seconds, parse_seeds(seeds))
         keys = _known(_words(followers))
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
@@ -43,7 +44,7 @@ def main(
     machine = f"{here.processor}, {here.cores} cores"
     with Field() as field:
         for number, case in enumerate(listed, 1):
-            missing = [key for key in keys if kept.get(case, key) is None]
+            missing = [key for key in keys if kept.get(case, key) is None and _fits(key, case)]
             if missing:
                 print(f"{number} of {len(listed)}: {case.scene}, {case.balls} balls, seed {case.seed}", file=sys.stderr)
                 follow(case, missing, field, machine, kept.add)
@@ -57,6 +58,19 @@ def main(
 
 def _words(text: str) -> list[str]:
     return [each.strip() for each in text.split(",") if each.strip()]
+
+
+def _here(scenes: list[str]) -> list[str]:
+    """Those whose pictures are here; say which are not."""
+    absent_clips = [] if folder().is_dir() else [scene for scene in scenes if scene in CLIPS]
+    for clip in absent_clips:
+        print(f"{clip} is left out: no {folder()}", file=sys.stderr)
+    return [scene for scene in scenes if scene not in absent_clips]
+
+
+def _fits(key: str, case: Case) -> bool:
+    """Whether a follower knows what it must of a crowd: `Neighbors` needs a camera."""
+    return key != "neighbors" or case.scene not in CLIPS
 
 
 def _known(keys: list[str]) -> list[str]:

@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import os
 import time
 from functools import cache
 from pathlib import Path
@@ -10,13 +11,16 @@ import msgspec
 
 import matchset as ms
 from benchmarks.crowds.crowd import Crowd, Seen
+from benchmarks.crowds.labelled import EQUAL, NAMES, LabelledClip
 from benchmarks.crowds.pair import SECONDS, hidden_pair
 from benchmarks.crowds.scenes import SCENES
+from benchmarks.crowds.score import Answer
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "crowds"
 PAIR = "pair"
 MOST = 20  # balls of a crowd
+EVERY = (*SCENES, PAIR, *NAMES)
 CLEAR = 0.95  # share of a ball that must be seen for a click on it
 DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
 """Folders of the package that decide what is rendered and detected; following many balls at once is left out."""
@@ -30,7 +34,7 @@ class Case(msgspec.Struct, frozen=True):
     Parameters
     ----------
     scene : str
-        One of `SCENES`, or "pair".
+        One of `SCENES`, "pair", or a clip that was labelled.
     balls : int
     seconds : float
     seed : int
@@ -42,26 +46,31 @@ class Case(msgspec.Struct, frozen=True):
     seed: int
 
     def __post_init__(self) -> None:
-        if self.scene not in SCENES and self.scene != PAIR:
-            raise ValueError(f"a scene is one of {', '.join([*SCENES, PAIR])}, got {self.scene!r}")
+        if self.scene not in EVERY:
+            raise ValueError(f"a scene is one of {', '.join(EVERY)}, got {self.scene!r}")
         if not 1 <= self.balls <= MOST:
             raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
 
-    def crowd(self) -> Crowd:
-        """Make it; a pair has two balls and a length of its own."""
+    def crowd(self) -> Crowd | LabelledClip:
+        """Make it; a pair and a clip have balls and a length of their own."""
         if self.scene == PAIR:
             return hidden_pair(self.seed)
+        if self.scene in NAMES:
+            return LabelledClip(self.scene)
         return SCENES[self.scene](self.balls, self.seconds, self.seed)
 
 
 def cases(scenes: list[str], balls: list[int], seconds: float, seeds: tuple[int, ...]) -> list[Case]:
-    """List the crowds of some scenes, numbers of balls and seeds; a pair is listed once for each seed."""
-    return [
-        Case(scene, number, SECONDS if scene == PAIR else seconds, seed)
-        for scene in scenes
-        for number in ([2] if scene == PAIR else balls)
-        for seed in seeds
-    ]
+    """List the crowds of some scenes, numbers of balls and seeds; a pair once for each seed, a clip once."""
+    listed = []
+    for scene in scenes:
+        if scene in NAMES:
+            listed.append(Case(scene, EQUAL, round(LabelledClip(scene).seconds, 2), 0))
+        elif scene == PAIR:
+            listed += [Case(PAIR, 2, SECONDS, seed) for seed in seeds]
+        else:
+            listed += [Case(scene, number, seconds, seed) for number in balls for seed in seeds]
+    return listed
 
 
 class Watched(msgspec.Struct, frozen=True):
@@ -69,24 +78,26 @@ class Watched(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    truth : list of list of (int, float, float, float, float)
-        Identity, x, y, radius, px, and the share that is visible.
+    truth : list of (list of (int, float, float, float, float) or None)
+        Identity, x, y, radius, px, and the share that is visible; None of a frame without labels.
     found : list of list of (float, float, float, float)
         x, y, radius, px, and support of each circle that `detect` finds.
     seconds : list of float
         What detecting took.
     """
 
-    truth: list[list[tuple[int, float, float, float, float]]]
+    truth: list[list[tuple[int, float, float, float, float]] | None]
     found: list[list[tuple[float, float, float, float]]]
     seconds: list[float]
 
-    def seen(self) -> list[list[Seen]]:
-        """Return the truth of every frame."""
-        return [[Seen(name, ms.Circle(x, y, r), share) for name, x, y, r, share in there] for there in self.truth]
+    def judged(self, answers: list[list[Answer]]) -> tuple[list[list[Seen]], list[list[Answer]]]:
+        """Return the truth of every frame that has one, and the answers there."""
+        pairs = [(there, said) for there, said in zip(self.truth, answers, strict=True) if there is not None]
+        seen = [[Seen(name, ms.Circle(x, y, r), share) for name, x, y, r, share in there] for there, _ in pairs]
+        return seen, [said for _, said in pairs]
 
 
-def color_of(crowd: Crowd) -> ms.ColorModel:
+def color_of(crowd: Crowd | LabelledClip) -> ms.ColorModel:
     """Learn the balls' color by a click on the largest one of the first frame in which one is clear.
 
     Raises
@@ -95,7 +106,7 @@ def color_of(crowd: Crowd) -> ms.ColorModel:
         If none ever is.
     """
     for frame, seen in crowd:
-        clear = [each for each in seen if each.visible > CLEAR]
+        clear = [each for each in seen or () if each.visible > CLEAR]
         if clear:
             circle = max(clear, key=lambda each: each.circle.radius).circle
             return ms.ColorModel.pick(frame.image, circle.x, circle.y)
@@ -116,9 +127,9 @@ def watched(case: Case) -> Watched:
         found = ms.detect(frame, ms.Circle, color, limit=2 * case.balls)
         result.seconds.append(time.perf_counter() - begin)
         result.found.append([(*_rounded(each.shape), round(each.support, 4)) for each in found])
-        result.truth.append([(each.identity, *_rounded(each.circle), round(each.visible, 4)) for each in seen])
+        result.truth.append(None if seen is None else [_noted(each) for each in seen])
     FOLDER.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_suffix(".part")
+    unfinished = path.with_suffix(f".{os.getpid()}")
     unfinished.write_bytes(msgspec.json.encode(result))
     unfinished.replace(path)
     return result
@@ -132,11 +143,15 @@ def checksum(folders: tuple[str, ...]) -> str:
     many = package / "tracking" / "many"
     files = [path for folder in folders for path in sorted((package / folder).rglob("*")) if path.suffix in DECIDING]
     here = Path(__file__).parent
-    files += [here / name for name in ("crowd.py", "scenes.py", "juggling.py", "pair.py", "cases.py")]
+    files += [here / name for name in ("crowd.py", "scenes.py", "juggling.py", "pair.py", "labelled.py")]
     for path in files:
         if many not in path.parents or "localization" in folders:
             total.update(path.name.encode() + b"\0" + path.read_bytes())
     return total.hexdigest()[:12]
+
+
+def _noted(ball: Seen) -> tuple[int, float, float, float, float]:
+    return (ball.identity, *_rounded(ball.circle), round(ball.visible, 4))
 
 
 def _rounded(circle: ms.Circle) -> tuple[float, float, float]:

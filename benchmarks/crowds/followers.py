@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import matchset as ms
 from benchmarks.crowds.cases import DETECTING, FOLLOWING, MOST, Watched, checksum
 from benchmarks.crowds.crowd import CAMERA, Crowd
+from benchmarks.crowds.labelled import LabelledClip
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
 from benchmarks.crowds.peers.peer import PEERS, stored
 from benchmarks.crowds.score import Answer
@@ -88,9 +89,13 @@ class Field:
         for process in self._processes.values():
             process.close()
 
-    def own(self, key: str, crowd: Crowd, color: ms.ColorModel) -> Follower:
+    def own(self, key: str, crowd: Crowd | LabelledClip, color: ms.ColorModel) -> Follower:
         """Make one of matchset's."""
-        return Many(color) if key == "matchset" else ByNeighbors(color, crowd.radius)
+        if key == "matchset":
+            return Many(color)
+        if isinstance(crowd, LabelledClip):
+            raise ValueError("`Neighbors` needs a camera and the size of the balls, which this clip does not tell")
+        return ByNeighbors(color, crowd.radius)
 
     def fed(self, key: str, given: Watched, parameters: dict[str, Any] | None = None) -> FedPeer:
         """Make a peer for one crowd, with its stored parameters or others."""

@@ -23,7 +23,7 @@ HEAD = (
     "99 % ms",
 )
 PAIR_HEAD = ("follower", "right names", "HOTA", "switches", "names", "doubled")
-ABOUT = """Rendered balls that look the same, `typical` link, 640 x 480, with exact truth; scored by TrackEval 1.3. Means
+ABOUT = """Rendered balls that look the same, `typical` link, 640 x 480, with exact truth; scored by TrackEval. Means
 over the seeds. Balls of which less than 30 % is seen count neither for nor against. *Switches*: how often a ball got
 another name; *names*: how many were given; *doubled*: answers on a ball on which another answer lies, too; all of one
 crowd. Peers are fed with the circles of `ms.detect`, the same for all, as boxes with their support as confidence, and

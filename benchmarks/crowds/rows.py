@@ -108,13 +108,13 @@ def _row(
     case: Case, key: str, known: Watched, answers: list[list[Answer]], seconds: Iterable[float], machine: str
 ) -> Row:
     took = 1e3 * np.array(list(seconds))
-    seen = known.seen()
+    seen, said = known.judged(answers)
     return Row(
         case=case,
         follower=key,
         version=version(key),
-        score=score(seen, answers),
-        right=names_kept(seen, answers) if case.scene == PAIR else None,
+        score=score(seen, said),
+        right=names_kept(seen, said) if case.scene == PAIR else None,
         median_ms=float(np.median(took)),
         most_ms=float(np.percentile(took, 99)),
         machine=machine,

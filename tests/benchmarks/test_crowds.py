@@ -35,8 +35,8 @@ def test_a_seed_makes_one_crowd(scene: str) -> None:
     first, again, other = (SCENES[scene](3, 0.1, seed) for seed in (5, 5, 6))
     assert np.array_equal(places(first, 1.0), places(again, 1.0))
     assert not np.array_equal(places(first, 1.0), places(other, 1.0))
-    pictures = [next(iter(each))[0].image for each in (first, again)]
-    assert np.array_equal(*pictures)
+    one, same = (next(iter(each))[0].image for each in (first, again))
+    assert np.array_equal(one, same)
 
 
 def test_balls_of_a_crossing_cross_every_two_seconds() -> None:
@@ -66,6 +66,12 @@ def test_hands_hide_what_they_hold() -> None:
     assert without.truth(0.0) != crowd.truth(0.0) or (shares[0] > 0.99).all()
 
 
+def between(seen: list[Seen]) -> np.ndarray:
+    """From the first of two balls to the other, px."""
+    one, other = (each.circle for each in seen)
+    return np.array((other.x - one.x, other.y - one.y))
+
+
 def test_one_ball_of_a_pair_is_hidden_for_a_second_and_both_come_out() -> None:
     sides = []
     for seed in range(200, 215):
@@ -76,7 +82,7 @@ def test_one_ball_of_a_pair_is_hidden_for_a_second_and_both_come_out() -> None:
         assert 0.9 < (shares[:, far] < MIN_VISIBLE).sum() / 30.0 < 1.1
         assert shares[:, 1 - far].min() > 0.95
         assert min(shares[:25].min(), shares[-25:].min()) > 0.9
-        before, after = (np.subtract(*((each.circle.x, each.circle.y) for each in truth[k])) for k in (0, -1))
+        before, after = (between(truth[k]) for k in (0, -1))
         sides.append(float(before @ after) > 0.0)
     assert sides == [seed % 3 == 0 for seed in range(200, 215)]
 
@@ -171,7 +177,7 @@ def test_cases_are_listed_and_checked() -> None:
         ("swarm", 5, 3.0, 201),
         (PAIR, 2, 5.0, 200),
     ]
-    with pytest.raises(ValueError, match="'chess'"):
+    with pytest.raises(ValueError, match="got 'chess'"):
         Case("chess", 2, 1.0, 0)
     with pytest.raises(ValueError, match="21"):
         Case("swarm", 21, 1.0, 0)

@@ -1,8 +1,8 @@
 """The best parameters of every peer, on crowds that are not reported: `python -m benchmarks.crowds.peers.search`.
 
 What is searched for is the highest HOTA, the mean over scenes and numbers of balls. The first two parameters of a peer
-are varied together, then each in turn is set to the best of the values that `peer.py` lists, in two rounds. What is found
-is written to `parameters.toml`.
+are varied together, then each in turn is set to the best of the values that `peer.py` lists, in two rounds. What is
+found is written to `parameters.toml`.
 """
 
 import itertools
@@ -76,7 +76,7 @@ def mean_hota(field: Field, key: str, known: Known, parameters: dict[str, Any]) 
     found: dict[tuple[str, int], list[float]] = {}
     for case, given in known:
         answers, _ = follow_fed(field, key, given, parameters)
-        found.setdefault((case.scene, case.balls), []).append(score(given.seen(), answers).hota)
+        found.setdefault((case.scene, case.balls), []).append(score(*given.judged(answers)).hota)
     return float(np.mean([np.mean(each) for each in found.values()]))
 
 

@@ -111,25 +111,27 @@ class Tracker(Copied, Generic[S]):
         words = f"{self._family.__name__}, {self._fitter.points} points, {self.mode.name.lower()}"
         return f"Tracker({words}, {self._frames} frames)"
 
-    def start(self, shape: S) -> None:
+    def start(self, shape: S, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at this shape in the next frame, without a search.
 
         Parameters
         ----------
         shape : S
             Where the shape is, roughly.
+        velocity : tuple of float
+            Of its center, px/s, from the last frame on.
 
         Raises
         ------
         ValueError
-            If it is not of the family that is tracked.
+            If it is not of the family that is tracked, or the velocity is not finite.
         """
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
-        limits = self.parameters.initialization
+        limits, motion = self.parameters.initialization, self._fitter.work.motion
         sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
         initialize(self._fitter.work, shape.state, self._time, sigma)
-        self._fitter.work.motion.size_count = 0.0
+        motion.velocity[:2], motion.size_count = checked_point("the velocity", velocity), 0.0
         self._initial, self._last, self._step.acquired = shape, shape, None
         self.mode = Mode.TRACKING
 

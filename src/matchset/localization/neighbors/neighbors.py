@@ -8,7 +8,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import ArrayFrames, Frame, Picture
 from matchset.localization.ball_target import BallTarget
-from matchset.localization.neighbors.ball_search import BallSearch, BallSearchParameters
+from matchset.tracking.many.strip_search import StripSearch, StripSearchParameters
 from matchset.localization.neighbors.ball_track import BallTrack, BallTrackParameters, BallTrackSetup, Neighbor
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
@@ -46,7 +46,7 @@ class NeighborsParameters(msgspec.Struct, frozen=True, kw_only=True):
         Support below which a ball that touches a nearer one is not placed: its outline ends in the other's.
     clear_support : float
         Support from which the radius of a ball that touches another is used.
-    search : BallSearchParameters
+    search : StripSearchParameters
     track : BallTrackParameters
     """
 
@@ -63,7 +63,7 @@ class NeighborsParameters(msgspec.Struct, frozen=True, kw_only=True):
     same_radius: float = 0.25
     min_support: float = 0.55
     clear_support: float = 0.8
-    search: BallSearchParameters = BallSearchParameters()
+    search: StripSearchParameters = StripSearchParameters()
     track: BallTrackParameters = BallTrackParameters()
 
 
@@ -124,7 +124,7 @@ class Neighbors(Copied):
         self.parameters = parameters or NeighborsParameters()
         self._camera = camera
         self._setup = BallTrackSetup(camera, target, ball_color, marker_color, self.parameters.track)
-        self._search = BallSearch(ball_color, self.parameters.search)
+        self._search = StripSearch(ball_color, self.parameters.search)
         self._tracks: list[BallTrack] = []
         self._hidden: set[int] = set()
         self._count = self._frames = 0

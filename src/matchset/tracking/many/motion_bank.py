@@ -1,0 +1,192 @@
+"""How several targets move: Kalman filters of constant velocity and of free flight, all at once (`MotionBank`)."""
+
+import math
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
+
+STEADY, BALLISTIC, HALTED = range(3)  # format: models of motion; the last has no filter of its own
+ORDERS = 3  # format: position, velocity and acceleration of each axis
+TINY = 1e-9  # format: a probability of nearly nothing, whose logarithm is a number
+
+
+class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How targets are expected to move; lengths in half-widths of the target.
+
+    All chosen on rendered crowds, seeds 7 and 8 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of the acceleration of a target of constant velocity, half-widths/s^2: more follows sudden
+        turns, less tells crossing targets apart for longer.
+    jerk : float
+        The same of the change of the acceleration of a thrown one, half-widths/s^3.
+    start_speed, start_acceleration : float
+        Standard deviations of what is not known of a new target, half-widths/s and half-widths/s^2.
+    memory : float
+        Share of the log-likelihood of a model that is kept from frame to frame: less changes models sooner.
+    changes : float
+        Probability that a target moves otherwise than it did.
+    steady_first : int
+        Sightings before free flight is considered: an acceleration is not known sooner.
+    center_sigma_px, center_sigma : float
+        Standard deviation of a sighting's center beside its own covariance: px, and in half-widths.
+    halts_within : float
+        Mean time within which a target that is not seen has come to rest, or was caught, s.
+    drift : float
+        How far one at rest moves meanwhile, half-widths per root of s.
+    size_sigma, size_rate : float
+        Standard deviation of ln(half-width) of a sighting, and of its change, 1/s.
+    size_gain : float
+        Share of a new ln(half-width) that is taken over.
+    """
+
+    acceleration: float = 40.0
+    jerk: float = 150.0
+    start_speed: float = 30.0
+    start_acceleration: float = 70.0
+    memory: float = 0.9
+    changes: float = 0.05
+    steady_first: int = 6
+    center_sigma_px: float = 0.5
+    center_sigma: float = 0.05
+    halts_within: float = 1.0
+    drift: float = 3.0
+    size_sigma: float = 0.06
+    size_rate: float = 0.5
+    size_gain: float = 0.3
+
+
+class Predicted(NamedTuple):
+    """Where targets are expected, slot by slot.
+
+    Attributes
+    ----------
+    centers, velocities : ndarray of shape (n, models, 2), float64
+        px, px/s.
+    variances : ndarray of shape (n, models), float64
+        Of each coordinate of a center, px^2.
+    log_weights : ndarray of shape (n, models), float64
+        Log-probabilities of the models.
+    half_widths, size_variances : ndarray of shape (n,), float64
+        px; of ln(half-width).
+    """
+
+    centers: Floats
+    velocities: Floats
+    variances: Floats
+    log_weights: Floats
+    half_widths: Floats
+    size_variances: Floats
+
+    def likeliest(self, slot: int) -> tuple[Floats, Floats, float]:
+        """Center, velocity and variance of a slot by its likelier model."""
+        model = int(self.log_weights[slot].argmax())
+        return self.centers[slot, model], self.velocities[slot, model], float(self.variances[slot, model])
+
+
+class MotionBank:
+    """Filters of a fixed number of slots; a slot that holds no target costs nothing but its arithmetic.
+
+    Parameters
+    ----------
+    slots : int
+    limits : ManyMotionParameters
+    """
+
+    def __init__(self, slots: int, limits: ManyMotionParameters) -> None:
+        self.limits = limits
+        self._state = np.zeros((slots, 2, ORDERS, 2))
+        self._covariance = np.tile(np.eye(ORDERS), (slots, 2, 1, 1))
+        self._scores = np.zeros((slots, 2))
+        self._size, self._sightings, self._time = np.zeros(slots), np.zeros(slots), np.zeros(slots)
+
+    def begin(self, slot: int, place: tuple[float, float, float], time: float) -> None:
+        """Begin a slot at a place (x, y, half-width), px, of which nothing else is known, at a time, s."""
+        x, y, half_width = place
+        limits = self.limits
+        self._state[slot] = 0.0
+        self._state[slot, :, 0] = x, y
+        sigmas = np.array((1.0, limits.start_speed, limits.start_acceleration)) * half_width
+        sigmas[0] = limits.center_sigma_px + limits.center_sigma * half_width
+        self._covariance[slot] = np.diag(sigmas**2)
+        self._covariance[slot, STEADY, 2] = 0.0
+        self._scores[slot], self._size[slot] = 0.0, math.log(half_width)
+        self._sightings[slot], self._time[slot] = 1.0, time
+
+    def predict(self, time: float) -> Predicted:
+        """Predict all slots at a time, s."""
+        states, covariances = self._ahead(time)
+        odds = np.exp(self._scores - self._scores.max(axis=1, keepdims=True))
+        shares = np.maximum(odds / odds.sum(axis=1, keepdims=True), self.limits.changes)
+        shares[self._sightings < self.limits.steady_first] = 1.0, TINY
+        weights = np.log(shares)
+        gone, half_widths = np.maximum(time - self._time, 0.0), np.exp(self._size)
+        halted = -np.expm1(-gone / self.limits.halts_within)  # how likely it has come to rest, or was caught, meanwhile
+        halted = np.clip(halted, TINY, 1.0 - TINY)
+        weights = np.concatenate((weights + np.log1p(-halted)[:, None], np.log(halted)[:, None]), axis=1)
+        sizes = self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2
+        drift = self._covariance[:, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
+        last = self._state[:, STEADY, 0]
+        return Predicted(
+            np.concatenate((states[:, :, 0], last[:, None]), axis=1),
+            np.concatenate((states[:, :, 1], np.zeros_like(last)[:, None]), axis=1),
+            np.concatenate((covariances[:, :, 0, 0], drift[:, None]), axis=1),
+            weights,
+            half_widths,
+            sizes,
+        )
+
+    def correct(self, slots: Indices, places: Floats, variances: Floats, time: float) -> None:
+        """Correct slots by sightings.
+
+        Parameters
+        ----------
+        slots : ndarray of shape (k,), int
+        places : ndarray of shape (k, 3), float64
+            x, y, half-width, px.
+        variances : ndarray of shape (k,), float64
+            Of each coordinate of a center, px^2.
+        time : float
+            s
+        """
+        states, covariances = (each[slots] for each in self._ahead(time))
+        total = covariances[:, :, 0, 0] + variances[:, None]
+        innovations = places[:, None, :2] - states[:, :, 0]
+        gains = covariances[:, :, :, 0] / total[:, :, None]
+        squared = (innovations**2).sum(axis=2) / total
+        self._scores[slots] = self.limits.memory * self._scores[slots] - 0.5 * squared - np.log(total)
+        self._state[slots] = states + gains[:, :, :, None] * innovations[:, :, None, :]
+        self._covariance[slots] = covariances - gains[:, :, :, None] * covariances[:, :, 0][:, :, None, :]
+        self._size[slots] += self.limits.size_gain * (np.log(places[:, 2]) - self._size[slots])
+        self._sightings[slots] += 1.0
+        self._time[slots] = time
+
+    def copy(self, source: int, target: int) -> None:
+        """Let a slot be as another one."""
+        for each in (self._state, self._covariance, self._scores, self._size, self._sightings, self._time):
+            each[target] = each[source]
+
+    def _ahead(self, time: float) -> tuple[Floats, Floats]:
+        """States and covariances of all slots at a time, s."""
+        ahead = np.maximum(time - self._time, 0.0)
+        transition = np.zeros((len(ahead), 2, ORDERS, ORDERS))
+        transition[:, :, range(ORDERS), range(ORDERS)] = 1.0
+        transition[:, :, 0, 1] = ahead[:, None]
+        transition[:, BALLISTIC, 0, 2] = 0.5 * ahead**2
+        transition[:, BALLISTIC, 1, 2] = ahead
+        states = transition @ self._state
+        noise, sizes = np.zeros((len(ahead), 2, ORDERS)), np.exp(self._size)
+        noise[:, STEADY, 0], noise[:, STEADY, 1] = 0.5 * ahead**2, ahead
+        noise[:, STEADY] *= (self.limits.acceleration * sizes)[:, None]
+        noise[:, BALLISTIC, 0], noise[:, BALLISTIC, 1], noise[:, BALLISTIC, 2] = ahead**3 / 6, ahead**2 / 2, ahead
+        noise[:, BALLISTIC] *= (self.limits.jerk * sizes)[:, None]
+        covariances = transition @ self._covariance @ transition.swapaxes(2, 3)
+        covariances += noise[:, :, :, None] * noise[:, :, None, :]
+        return states, covariances

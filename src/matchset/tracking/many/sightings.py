@@ -1,0 +1,154 @@
+"""What is seen of all targets in a frame: `Sighting`; of two on one outline one remains (`merged`)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import ColorModel
+
+from matchset.tracking.motion import Gate, gate_of
+from matchset.tracking.track import Track
+
+Image = npt.NDArray[np.uint8]
+
+
+class MergeParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """When two sightings are of one target.
+
+    All chosen on rendered crowds, seeds 7 and 8 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+
+    Parameters
+    ----------
+    distance, log_size : float
+        Centers nearer than this are one, in half-widths of the larger, if their sizes differ by less, as a logarithm:
+        the discs of two that are not share less than half of their area.
+    field_near, field_distance, field_log_size : float
+        Distances between which, and sizes up to which, two may be the fields of an interlaced picture ...
+    field_parity : float
+        ... if, where they do not overlap, the share of pixels of the target's color differs by more between rows.
+    """
+
+    distance: float = 0.6
+    log_size: float = 0.35
+    field_near: float = 0.15
+    field_distance: float = 1.5
+    field_log_size: float = 0.1
+    field_parity: float = 0.5
+
+
+class Sighting(NamedTuple):
+    """An outline in a frame.
+
+    Attributes
+    ----------
+    track : Track
+    place : Gate
+        Center and half-width, px.
+    variance : float
+        Of each coordinate of the center, px^2.
+    label : str
+        Of the color by which it was seen.
+    owners : tuple of int
+        Slots of the targets whose trackers ended here.
+    """
+
+    track: Track[Any]
+    place: Gate
+    variance: float
+    label: str
+    owners: tuple[int, ...]
+    sure: bool = True
+
+
+def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str, owners: tuple[int, ...] = ()) -> Sighting:
+    """Make a sighting of a track.
+
+    Parameters
+    ----------
+    track : Track
+    sigmas : (float, float)
+        Standard deviation of its center beside its own covariance: px, and in half-widths.
+    label : str
+    owners : tuple of int
+    """
+    place = gate_of(type(track.shape), track.shape.state)
+    known = max(float(track.covariance[0, 0] + track.covariance[1, 1]) / 2.0, 0.0)
+    sigma = sigmas[0] + sigmas[1] * place.half_width
+    return Sighting(track, place, min(known, place.half_width**2) + sigma**2, label, owners)
+
+
+def merged(
+    sightings: Sequence[Sighting], image: Image, colors: Mapping[str, ColorModel], limits: MergeParameters
+) -> list[Sighting]:
+    """Keep of sightings of one outline the one with most support, for all of their owners.
+
+    In an interlaced picture a fast shape has two outlines, one in the even rows and one in the odd ones; of two
+    sightings of these the mean remains.
+
+    Parameters
+    ----------
+    sightings : sequence of Sighting
+    image : ndarray of shape (h, w, channels), uint8
+    colors : mapping of str to ColorModel
+        By label.
+    limits : MergeParameters
+    """
+    kept: list[Sighting] = []
+    for each in sorted(sightings, key=lambda sighting: -sighting.track.support):
+        for k, other in enumerate(kept):
+            larger = max(each.place.half_width, other.place.half_width)
+            far = each.place.distance(other.place) / larger
+            change = abs(math.log(each.place.half_width / other.place.half_width))
+            fields = limits.field_near < far < limits.field_distance and change < limits.field_log_size
+            if fields and are_fields(image, colors[each.label], (each.place, other.place), limits):
+                kept[k] = _of_both(other, each)._replace(owners=(*other.owners, *each.owners))
+                break
+            if far < limits.distance and change < limits.log_size:
+                kept[k] = other._replace(owners=(*other.owners, *each.owners))
+                break
+        else:
+            kept.append(each)
+    return kept
+
+
+def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limits: MergeParameters) -> bool:
+    """Whether each of two discs is there in the even rows alone, or in the odd ones, where the other is not.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, channels), uint8
+    color : ColorModel
+    places : (Gate, Gate)
+    limits : MergeParameters
+    """
+    reach = max(each.half_width for each in places)
+    left, right = (max(round(choose(each.x for each in places) + by), 0) for choose, by in ((min, -reach), (max, reach)))
+    top, bottom = (max(round(choose(each.y for each in places) + by), 0) for choose, by in ((min, -reach), (max, reach)))
+    part = np.ascontiguousarray(image[top : bottom + 1, left : right + 1])
+    if not part.size:
+        return False
+    rows, columns = np.indices(part.shape[:2])
+    colored = color.scores(part).reshape(part.shape[:2]) > 0
+    inside = [np.hypot(columns + left - each.x, rows + top - each.y) < each.half_width for each in places]
+    shares = []
+    for own, other in (inside, inside[::-1]):
+        alone = own & ~other
+        even, odd = (colored[alone & ((rows + top) % 2 == parity)] for parity in (0, 1))
+        if not (even.size and odd.size):
+            return False
+        shares.append(float(even.mean() - odd.mean()))
+    return shares[0] * shares[1] < 0.0 and min(map(abs, shares)) > limits.field_parity
+
+
+def _of_both(one: Sighting, other: Sighting) -> Sighting:
+    """The sighting of a shape of which two have seen a field each: midway."""
+    state = one.track.shape.state.copy()
+    state[:2] = 0.5 * (one.place.x + other.place.x), 0.5 * (one.place.y + other.place.y)
+    shape = type(one.track.shape).from_state(state, one.track.shape)
+    points = np.concatenate((one.track.match_set, other.track.match_set))
+    track = msgspec.structs.replace(one.track, shape=shape, match_set=points)
+    return one._replace(track=track, place=gate_of(type(shape), state))

@@ -1,0 +1,177 @@
+"""Detects shapes that nobody follows yet, in one strip of the image per frame: `StripSearch`."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.fitting.fitter import Estimate
+from matchset.fitting.validation import Prior
+from matchset.fitting.workspace import SearchWindow
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame, channels_last
+from matchset.shapes.shape import finds_itself, from_hull
+from matchset.tracking.compiled_step import tracking_fitter
+from matchset.tracking.detector import track_of
+from matchset.tracking.motion import Gate, gate_of
+from matchset.tracking.search.voting import Searcher, SearchParameters
+from matchset.tracking.track import Track
+from matchset.tracking.track_step import precompile_search
+
+STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
+
+
+class StripSearchParameters(msgspec.Struct, frozen=True):
+    """How shapes that nobody follows are detected.
+
+    All were chosen by hand; `python -m benchmarks --only localization_neighbors` and `python -m benchmarks.crowds` would show a change.
+
+    Parameters
+    ----------
+    points : int
+        Lines across the outline of a candidate.
+    candidates : int
+        How many candidates of a strip are fitted in one frame: more finds faster in a crowd and takes longer.
+    min_half_width_px : float
+        Least half-width of a new shape: smaller ones are mostly noise.
+    min_score : float
+        MSAC score below which the fit of a candidate is given up at once. The same as in the tracker's own search.
+    range_cells, range_share : float
+        Search range around a candidate's outline, the larger of the two: in cells of the grid, in half-widths.
+    speed : float
+        Speed that a shape may have at first sight, px per frame: the fields of an interlaced picture may lie apart.
+    same_distance : float
+        Shapes whose centers are nearer than this, in half-widths of the larger one, are the same.
+    grid : SearchParameters
+        Of the coarse search of a strip.
+    """
+
+    points: int = 64
+    candidates: int = 4
+    min_half_width_px: float = 6.0
+    min_score: float = 0.25
+    range_cells: float = 2.0
+    range_share: float = 0.2
+    speed: float = 8.0
+    same_distance: float = 0.7
+    grid: SearchParameters = SearchParameters()
+
+
+class _Searched(NamedTuple):
+    """What is known of what a part of the image is searched for: size of a cell, px; whether it is expected there."""
+
+    stride: int
+    expected: bool
+
+
+class StripSearch:
+    """Detects shapes of one color that nobody follows yet; the whole image takes three frames.
+
+    A strip is searched on its coarse grid alone; its candidates are fitted in the image itself, so a shape may be larger
+    than its strip. The strips overlap by half, so every center is well inside one of them.
+
+    Parameters
+    ----------
+    family : type
+    color : ColorModel
+    parameters : StripSearchParameters, optional
+    """
+
+    def __init__(self, family: type[Any], color: ColorModel, parameters: StripSearchParameters | None = None) -> None:
+        self.family, self.color = family, color
+        self.parameters = parameters or StripSearchParameters()
+        self._fitter = tracking_fitter(family, self.parameters.points)
+        self._searchers: dict[tuple[int, int], Searcher] = {}
+        self._strip = 0
+        precompile_search(family, color.table.size, color.channels)
+
+    def update(self, frame: Frame, known: Sequence[Gate]) -> list[Track[Any]]:
+        """Search the next strip.
+
+        Parameters
+        ----------
+        frame : Frame
+        known : sequence of Gate
+            What is followed already, or expected.
+
+        Returns
+        -------
+        list of Track
+            Confirmed shapes that are none of these, best first.
+        """
+        height, width = frame.image.shape[:2]
+        size = max(height // 2, 1)
+        top = self._strip * (height - size) // (STRIPS - 1)
+        self._strip = (self._strip + 1) % STRIPS
+        return self._within(frame, (0, top, width, size), known, False)
+
+    def near(self, frame: Frame, place: Gate, known: Sequence[Gate]) -> list[Track[Any]]:
+        """Search a quarter of the image around a place; otherwise as `update`."""
+        height, width = frame.image.shape[:2]
+        columns, rows = max(width // 2, 1), max(height // 2, 1)
+        left = round(min(max(place.x - 0.5 * columns, 0.0), width - columns))
+        top = round(min(max(place.y - 0.5 * rows, 0.0), height - rows))
+        return self._within(frame, (left, top, columns, rows), known, True)
+
+    def _within(self, frame: Frame, box: tuple[int, int, int, int], known: Sequence[Gate], expected: bool) -> list[Track[Any]]:
+        """Search a part of the image: left, top, columns and rows, px."""
+        image, (left, top, columns, rows) = channels_last(frame.image), box
+        searcher = self._searchers.get((columns, rows))
+        if searcher is None:
+            searcher = self._searchers[columns, rows] = Searcher(columns, rows, self.parameters.grid)
+        part = image[top : top + rows, left : left + columns]
+        part = part if part.flags.c_contiguous else np.ascontiguousarray(part)
+        found: list[Track[Any]] = []
+        taken, fitted = list(known), 0
+        for state in self._starts(searcher, part, (left, top)):
+            if self._is_known(gate_of(self.family, state), taken) or fitted == self.parameters.candidates:
+                continue
+            fitted += 1
+            estimate = self._fit(image, state, _Searched(searcher.stride, expected))
+            if estimate is None or self._is_known(gate_of(self.family, estimate.state), taken):
+                continue
+            taken.append(gate_of(self.family, estimate.state))
+            found.append(track_of(self._fitter, None, frame.time, pixel_aspect=frame.pixel_aspect))
+        self._fitter.forget()
+        return found
+
+    def _starts(
+        self, searcher: Searcher, part: npt.NDArray[np.uint8], corner: tuple[int, int]
+    ) -> Iterator[npt.NDArray[np.float64]]:
+        """States of the family at which something in a part of the image may be, likeliest first."""
+        left, top = corner
+        if not finds_itself(self.family):
+            for x, y, radius, _ in searcher.candidates(part, self.color).tolist():
+                yield self.family.from_coarse(x + left, y + top, radius).state
+            return
+        for hull in searcher.hulls(part, self.color):
+            shape = next(iter(from_hull(self.family, hull + (float(left), float(top)))), None)
+            if shape is not None:
+                yield shape.state
+
+    def _fit(self, image: npt.NDArray[np.uint8], state: npt.NDArray[np.float64], searched: _Searched) -> Estimate | None:
+        """Fit a shape about a state, first at rest and then moving; None if nothing there is one."""
+        limits, fitter = self.parameters, self._fitter
+        reach = max(limits.range_cells * searched.stride, limits.range_share * gate_of(self.family, state).half_width)
+        at_rest = SearchWindow(reach, min_score=limits.min_score)
+        moving = SearchWindow(reach, limits.speed, velocity_unknown=True)
+        for window in (at_rest, moving):
+            estimate = fitter.fit(image, self.color, state, window)
+            if estimate.is_fitted and estimate.fit.half_width >= limits.min_half_width_px:
+                if searched.expected:
+                    estimate = fitter.weigh(estimate, image, self.color)
+                if not fitter.validate_detection(estimate, Prior.HERE if searched.expected else Prior.PRESENT):
+                    return estimate
+                state = estimate.state
+        return None
+
+    def _is_known(self, place: Gate, others: Sequence[Gate]) -> bool:
+        """Whether a shape is one of the others, or inside one, or around one."""
+        return any(
+            math.hypot(place.x - other.x, place.y - other.y)
+            < self.parameters.same_distance * max(place.half_width, other.half_width)
+            for other in others
+        )

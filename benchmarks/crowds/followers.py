@@ -36,7 +36,9 @@ class Many:
     """matchset's `MultiTracker`."""
 
     def __init__(self, color: ms.ColorModel) -> None:
-        self._tracker = ms.MultiTracker(ms.Circle, color, most=MOST)
+        from matchset.tracking.many.multi_tracker import MultiTracker
+
+        self._tracker = MultiTracker(ms.Circle, color, most=MOST)
         self.seconds = 0.0
 
     def update(self, frame: ms.Frame) -> list[Answer]:
@@ -68,8 +70,6 @@ def absent(key: str) -> str:
     """Why a follower cannot be had here; empty if it can."""
     if key in PEERS:
         return "" if PEERS[key].python.exists() else "not installed: `make bench-crowds` does it"
-    if key == "matchset" and not hasattr(ms, "MultiTracker"):
-        return "not in this version"
     return ""
 
 

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from benchmarks.crowds.bars import TIMED, bars, cost_ratio
 from benchmarks.crowds.cases import EVERY, Case, cases
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
@@ -31,6 +32,9 @@ def main(
     seeds: Annotated[str, typer.Option(help="As '200-204'; peers were tuned on 100 and 101.")] = "200-204",
     followers: Annotated[str, typer.Option(help=f"Some of {', '.join(NAMES)}.")] = ",".join(NAMES),
     seconds: Annotated[float, typer.Option(min=1.0, help="Length of a crowd, s.")] = 10.0,
+    judge: Annotated[
+        bool, typer.Option("--bars", help="Also what the bars ask for: 60 s of crossings, 100 pairs, the cost.")
+    ] = False,
     output: Annotated[Path | None, typer.Option("-o", help=f"Write the page there: {PAGE.name}.")] = None,
 ) -> None:
     """Follow crowds, and print the table."""
@@ -42,6 +46,8 @@ def main(
         raise typer.BadParameter(str(error)) from None
     kept, here = Kept(KEPT), Machine.here()
     machine = f"{here.processor}, {here.cores} cores"
+    if judge:
+        listed += [case for case in TIMED if case not in listed]
     with Field() as field:
         for number, case in enumerate(listed, 1):
             missing = [key for key in keys if kept.get(case, key) is None and _fits(key, case)]
@@ -50,7 +56,7 @@ def main(
                 follow(case, missing, field, machine, kept.add)
     rows = [row for case in listed for key in keys if (row := kept.get(case, key))]
     where = f"{here.date}, commit {here.commit}, {machine}. Seeds {seeds}. Written by `make bench-crowds`."
-    text = page(rows, where)
+    text = page(rows, where, bars(rows, cost_ratio()) if judge else ())
     if output:
         output.write_text(text, encoding="utf-8")
     print(text)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from benchmarks.crowds.bars import Bar
 from benchmarks.crowds.cases import PAIR
 from benchmarks.crowds.followers import NAMES
 from benchmarks.crowds.rows import Row
@@ -35,9 +36,13 @@ the detection. `Neighbors` is told camera and size.
 *pair*: one ball hides another one of its size for a second; every third time that comes out where it went in."""
 
 
-def page(rows: Sequence[Row], where: str) -> str:
+def page(rows: Sequence[Row], where: str, judged: Sequence[Bar] = ()) -> str:
     """Write the page."""
-    parts = ["# Crowds of equal balls", where, ABOUT, table([row for row in rows if row.case.scene != PAIR])]
+    parts = ["# Crowds of equal balls", where, ABOUT]
+    if judged:
+        head = ["| what | bar | measured | reached |", "| --- | --- | --- | --- |"]
+        parts += ["## Bars", "\n".join([*head, *(bar.line() for bar in judged)]), "## All"]
+    parts.append(table([row for row in rows if row.case.scene != PAIR]))
     pairs = [row for row in rows if row.case.scene == PAIR]
     if pairs:
         parts += ["## One hides the other for a second", pair_table(pairs)]

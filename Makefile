@@ -65,7 +65,7 @@ bench-real: $(PEERS)  ## real footage and times, as a user has them, against wha
 bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
 
-bench-crowds: $(CROWDS)  ## who keeps which name in a crowd of equal balls, beside norfair, ByteTrack, OC-SORT and SORT (an hour)
+bench-crowds: $(CROWDS)  ## who keeps which name in a crowd of equal balls, beside norfair, ByteTrack, OC-SORT and SORT (two hours; stop it, it goes on)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.crowds $(or $(ARGS),--bars -o benchmarks/CROWDS.md)
 
 weights: $(PYTORCH)  ## make weights of the network of discs from nothing, with PyTorch (half an hour; ARGS="FOLDER of photographs")

@@ -24,16 +24,17 @@ HEAD = (
     "99 % ms",
 )
 PAIR_HEAD = ("follower", "right names", "HOTA", "switches", "names", "doubled")
-ABOUT = """Rendered balls that look the same, `typical` link, 640 x 480, with exact truth; scored by TrackEval. Means
-over the seeds. Balls of which less than 30 % is seen count neither for nor against. *Switches*: how often a ball got
-another name; *names*: how many were given; *doubled*: answers on a ball on which another answer lies, too; all of one
-crowd. Peers are fed with the circles of `ms.detect`, the same for all, as boxes with their support as confidence, and
-have the parameters that were best on seeds 100 and 101 (`benchmarks/crowds/peers/parameters.toml`); their ms include
-the detection. `Neighbors` is told camera and size.
+ABOUT = """Balls that look the same, rendered with exact truth (`typical` link, 640 x 480), and a real clip; scored by
+TrackEval. Means over the seeds. Balls of which less than 30 % is seen count neither for nor against. *Switches*: how
+often a ball got another name; *names*: how many were given; *doubled*: answers on balls beyond one for each ball of a
+frame; all of one crowd. Peers are fed with the circles of `ms.detect`, the same for all, as boxes with their support as
+confidence, and have the parameters that were best on seeds 100 and 101 (`benchmarks/crowds/peers/parameters.toml`).
+Their ms include the detection. `Neighbors` is told camera and size.
 
 *juggling*: up to five balls for each juggler, whose hands hide what they hold. *billiards*: a plane, collisions.
 *swarm*: three dimensions, balls leave and come back. *crossing*: all balls pass the middle of the view every 2 s.
-*pair*: one ball hides another one of its size for a second; every third time that comes out where it went in."""
+*pair*: one ball hides another one of its size for a second; every third time that comes out where it went in.
+*mire*: four equal discs on a box in hands, gray pictures, labelled by hand (`benchmarks/crowds/labels`)."""
 
 
 def page(rows: Sequence[Row], where: str, judged: Sequence[Bar] = ()) -> str:

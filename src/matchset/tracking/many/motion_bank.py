@@ -1,11 +1,14 @@
 """How several targets move: Kalman filters of constant velocity and of free flight, all at once (`MotionBank`)."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
+
+from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
@@ -62,6 +65,11 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     size_rate: float = 0.5
     size_gain: float = 0.3
 
+    @property
+    def center_sigmas(self) -> tuple[float, float]:
+        """Of a sighting's center: px, and half-widths."""
+        return self.center_sigma_px, self.center_sigma
+
 
 class Predicted(NamedTuple):
     """Where targets are expected, slot by slot.
@@ -85,18 +93,20 @@ class Predicted(NamedTuple):
     half_widths: Floats
     size_variances: Floats
 
-    def likeliest(self, slot: int) -> tuple[Floats, Floats, float]:
-        """Center, velocity and variance of a slot by its likelier model."""
+    def likeliest(self, slot: int) -> tuple[Gate, tuple[float, float]]:
+        """Place and velocity of a slot by its likeliest model; px, px/s."""
         model = int(self.log_weights[slot].argmax())
-        return self.centers[slot, model], self.velocities[slot, model], float(self.variances[slot, model])
+        (x, y), (vx, vy) = self.centers[slot, model].tolist(), self.velocities[slot, model].tolist()
+        return Gate(x, y, float(self.half_widths[slot])), (vx, vy)
 
 
 class MotionBank:
-    """Filters of a fixed number of slots; a slot that holds no target costs nothing but its arithmetic.
+    """Filters in slots, which are given out and taken back.
 
     Parameters
     ----------
     slots : int
+        How many there are at first; there are as many as are asked for.
     limits : ManyMotionParameters
     """
 
@@ -106,23 +116,43 @@ class MotionBank:
         self._covariance = np.tile(np.eye(ORDERS), (slots, 2, 1, 1))
         self._scores = np.zeros((slots, 2))
         self._size, self._sightings, self._time = np.zeros(slots), np.zeros(slots), np.zeros(slots)
+        self._free = list(range(slots))[::-1]
 
-    def begin(self, slot: int, place: tuple[float, float, float], time: float) -> None:
-        """Begin a slot at a place (x, y, half-width), px, of which nothing else is known, at a time, s."""
-        x, y, half_width = place
-        limits = self.limits
+    def begin(self, place: Gate, time: float) -> int:
+        """Begin at a place of which nothing else is known, at a time, s; return the slot."""
+        slot, limits = self._take(), self.limits
         self._state[slot] = 0.0
-        self._state[slot, :, 0] = x, y
-        sigmas = np.array((1.0, limits.start_speed, limits.start_acceleration)) * half_width
-        sigmas[0] = limits.center_sigma_px + limits.center_sigma * half_width
+        self._state[slot, :, 0] = place.x, place.y
+        sigmas = np.array((1.0, limits.start_speed, limits.start_acceleration)) * place.half_width
+        sigmas[0] = limits.center_sigma_px + limits.center_sigma * place.half_width
         self._covariance[slot] = np.diag(sigmas**2)
         self._covariance[slot, STEADY, 2] = 0.0
-        self._scores[slot], self._size[slot] = 0.0, math.log(half_width)
+        self._scores[slot], self._size[slot] = 0.0, math.log(place.half_width)
         self._sightings[slot], self._time[slot] = 1.0, time
+        return slot
+
+    def copied(self, source: int) -> int:
+        """Return a slot that is as another one."""
+        slot = self._take()
+        for each in (self._state, self._covariance, self._scores, self._size, self._sightings, self._time):
+            each[slot] = each[source]
+        return slot
+
+    def free(self, slot: int) -> None:
+        """Take a slot back."""
+        self._free.append(slot)
+
+    def _take(self) -> int:
+        if not self._free:
+            slots = len(self._size)
+            for name in ("_state", "_covariance", "_scores", "_size", "_sightings", "_time"):
+                setattr(self, name, np.concatenate((getattr(self, name), getattr(self, name))))
+            self._free = list(range(slots, 2 * slots))[::-1]
+        return self._free.pop()
 
     def predict(self, time: float) -> Predicted:
         """Predict all slots at a time, s."""
-        states, covariances = self._ahead(time)
+        states, covariances = self._ahead(slice(None), time)
         odds = np.exp(self._scores - self._scores.max(axis=1, keepdims=True))
         shares = np.maximum(odds / odds.sum(axis=1, keepdims=True), self.limits.changes)
         shares[self._sightings < self.limits.steady_first] = 1.0, TINY
@@ -143,50 +173,75 @@ class MotionBank:
             sizes,
         )
 
-    def correct(self, slots: Indices, places: Floats, variances: Floats, time: float) -> None:
+    def correct(self, slots: Sequence[int], places: Sequence[Gate], variances: Sequence[float], time: float) -> None:
         """Correct slots by sightings.
 
         Parameters
         ----------
-        slots : ndarray of shape (k,), int
-        places : ndarray of shape (k, 3), float64
-            x, y, half-width, px.
-        variances : ndarray of shape (k,), float64
+        slots : sequence of int
+        places : sequence of Gate
+            One for each slot.
+        variances : sequence of float
             Of each coordinate of a center, px^2.
         time : float
             s
         """
-        states, covariances = (each[slots] for each in self._ahead(time))
-        total = covariances[:, :, 0, 0] + variances[:, None]
-        innovations = places[:, None, :2] - states[:, :, 0]
+        if not slots:
+            return
+        at, seen = np.array(slots), np.array(places)
+        states, covariances = self._ahead(at, time)
+        total = covariances[:, :, 0, 0] + np.array(variances)[:, None]
+        innovations = seen[:, None, :2] - states[:, :, 0]
         gains = covariances[:, :, :, 0] / total[:, :, None]
         squared = (innovations**2).sum(axis=2) / total
-        self._scores[slots] = self.limits.memory * self._scores[slots] - 0.5 * squared - np.log(total)
-        self._state[slots] = states + gains[:, :, :, None] * innovations[:, :, None, :]
-        self._covariance[slots] = covariances - gains[:, :, :, None] * covariances[:, :, 0][:, :, None, :]
-        self._size[slots] += self.limits.size_gain * (np.log(places[:, 2]) - self._size[slots])
-        self._sightings[slots] += 1.0
-        self._time[slots] = time
+        self._scores[at] = self.limits.memory * self._scores[at] - 0.5 * squared - np.log(total)
+        self._state[at] = states + gains[:, :, :, None] * innovations[:, :, None, :]
+        self._covariance[at] = covariances - gains[:, :, :, None] * covariances[:, :, 0][:, :, None, :]
+        self._size[at] += self.limits.size_gain * (np.log(seen[:, 2]) - self._size[at])
+        self._sightings[at] += 1.0
+        self._time[at] = time
 
-    def copy(self, source: int, target: int) -> None:
-        """Let a slot be as another one."""
-        for each in (self._state, self._covariance, self._scores, self._size, self._sightings, self._time):
-            each[target] = each[source]
-
-    def _ahead(self, time: float) -> tuple[Floats, Floats]:
-        """States and covariances of all slots at a time, s."""
-        ahead = np.maximum(time - self._time, 0.0)
+    def _ahead(self, at: Indices | slice, time: float) -> tuple[Floats, Floats]:
+        """States and covariances of slots at a time, s."""
+        ahead = np.maximum(time - self._time[at], 0.0)
         transition = np.zeros((len(ahead), 2, ORDERS, ORDERS))
         transition[:, :, range(ORDERS), range(ORDERS)] = 1.0
         transition[:, :, 0, 1] = ahead[:, None]
         transition[:, BALLISTIC, 0, 2] = 0.5 * ahead**2
         transition[:, BALLISTIC, 1, 2] = ahead
-        states = transition @ self._state
-        noise, sizes = np.zeros((len(ahead), 2, ORDERS)), np.exp(self._size)
+        states = transition @ self._state[at]
+        noise, sizes = np.zeros((len(ahead), 2, ORDERS)), np.exp(self._size[at])
         noise[:, STEADY, 0], noise[:, STEADY, 1] = 0.5 * ahead**2, ahead
         noise[:, STEADY] *= (self.limits.acceleration * sizes)[:, None]
         noise[:, BALLISTIC, 0], noise[:, BALLISTIC, 1], noise[:, BALLISTIC, 2] = ahead**3 / 6, ahead**2 / 2, ahead
         noise[:, BALLISTIC] *= (self.limits.jerk * sizes)[:, None]
-        covariances = transition @ self._covariance @ transition.swapaxes(2, 3)
+        covariances = transition @ self._covariance[at] @ transition.swapaxes(2, 3)
         covariances += noise[:, :, :, None] * noise[:, :, None, :]
         return states, covariances
+
+
+def log_likelihood(predicted: Predicted, slot: int, place: Gate, variance: float) -> tuple[float, float, float]:
+    """Log-likelihood of a sighting as the target of a slot, by all models of motion.
+
+    Returns
+    -------
+    log_likelihood : float
+        Of center, px, and ln(half-width).
+    squared : float
+        Squared distance of the center by the nearest model, in standard deviations.
+    size : float
+        Squared distance of ln(half-width), in standard deviations, with its sign.
+    """
+    terms, squared = list[float](), math.inf
+    centers, variances, weights = (
+        each[slot].tolist() for each in (predicted.centers, predicted.variances, predicted.log_weights)
+    )
+    for (x, y), of_center, weight in zip(centers, variances, weights, strict=True):
+        total = of_center + variance
+        distance = ((place.x - x) ** 2 + (place.y - y) ** 2) / total
+        squared = min(squared, distance)
+        terms.append(weight - 0.5 * distance - math.log(total))
+    most, of_size = max(terms), float(predicted.size_variances[slot])
+    change = math.log(place.half_width / float(predicted.half_widths[slot])) / math.sqrt(of_size)
+    likelihood = most + math.log(sum(math.exp(term - most) for term in terms))
+    return likelihood - 0.5 * change * change - 0.5 * math.log(of_size), squared, change * abs(change)

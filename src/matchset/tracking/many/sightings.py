@@ -12,8 +12,11 @@ from matchset.image.color import ColorModel
 
 from matchset.tracking.motion import Gate, gate_of
 from matchset.tracking.track import Track
+from matchset.tracking.tracker import Tracker
 
 Image = npt.NDArray[np.uint8]
+
+LEAST = 0.1  # format: support by which a sighting is weighed at least
 
 
 class MergeParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -32,8 +35,11 @@ class MergeParameters(msgspec.Struct, frozen=True, kw_only=True):
         ... if, where they do not overlap, the share of pixels of the target's color differs by more between rows.
     """
 
-    distance: float = 0.6
-    log_size: float = 0.35
+    distance: float = 0.3
+    log_size: float = 0.2
+    fresh_distance: float = 0.6
+    fresh_log_size: float = 0.35
+    mixed_log_size: float = 0.13
     field_near: float = 0.15
     field_distance: float = 1.5
     field_log_size: float = 0.1
@@ -52,19 +58,17 @@ class Sighting(NamedTuple):
         Of each coordinate of the center, px^2.
     label : str
         Of the color by which it was seen.
-    owners : tuple of int
-        Slots of the targets whose trackers ended here.
     """
 
     track: Track[Any]
     place: Gate
     variance: float
     label: str
-    owners: tuple[int, ...]
     sure: bool = True
+    tracker: Tracker[Any] | None = None
 
 
-def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str, owners: tuple[int, ...] = ()) -> Sighting:
+def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> Sighting:
     """Make a sighting of a track.
 
     Parameters
@@ -73,46 +77,11 @@ def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str, owne
     sigmas : (float, float)
         Standard deviation of its center beside its own covariance: px, and in half-widths.
     label : str
-    owners : tuple of int
     """
     place = gate_of(type(track.shape), track.shape.state)
     known = max(float(track.covariance[0, 0] + track.covariance[1, 1]) / 2.0, 0.0)
-    sigma = sigmas[0] + sigmas[1] * place.half_width
-    return Sighting(track, place, min(known, place.half_width**2) + sigma**2, label, owners)
-
-
-def merged(
-    sightings: Sequence[Sighting], image: Image, colors: Mapping[str, ColorModel], limits: MergeParameters
-) -> list[Sighting]:
-    """Keep of sightings of one outline the one with most support, for all of their owners.
-
-    In an interlaced picture a fast shape has two outlines, one in the even rows and one in the odd ones; of two
-    sightings of these the mean remains.
-
-    Parameters
-    ----------
-    sightings : sequence of Sighting
-    image : ndarray of shape (h, w, channels), uint8
-    colors : mapping of str to ColorModel
-        By label.
-    limits : MergeParameters
-    """
-    kept: list[Sighting] = []
-    for each in sorted(sightings, key=lambda sighting: -sighting.track.support):
-        for k, other in enumerate(kept):
-            larger = max(each.place.half_width, other.place.half_width)
-            far = each.place.distance(other.place) / larger
-            change = abs(math.log(each.place.half_width / other.place.half_width))
-            fields = limits.field_near < far < limits.field_distance and change < limits.field_log_size
-            if fields and are_fields(image, colors[each.label], (each.place, other.place), limits):
-                kept[k] = _of_both(other, each)._replace(owners=(*other.owners, *each.owners))
-                break
-            if far < limits.distance and change < limits.log_size:
-                kept[k] = other._replace(owners=(*other.owners, *each.owners))
-                break
-        else:
-            kept.append(each)
-    return kept
+    sigma = (sigmas[0] + sigmas[1] * place.half_width) / max(track.support, LEAST)
+    return Sighting(track, place, min(known, place.half_width**2) + sigma**2, label)
 
 
 def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limits: MergeParameters) -> bool:
@@ -144,7 +113,7 @@ def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limit
     return shares[0] * shares[1] < 0.0 and min(map(abs, shares)) > limits.field_parity
 
 
-def _of_both(one: Sighting, other: Sighting) -> Sighting:
+def of_both(one: Sighting, other: Sighting) -> Sighting:
     """The sighting of a shape of which two have seen a field each: midway."""
     state = one.track.shape.state.copy()
     state[:2] = 0.5 * (one.place.x + other.place.x), 0.5 * (one.place.y + other.place.y)

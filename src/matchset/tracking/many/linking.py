@@ -1,0 +1,249 @@
+"""Which target a tracklet is of: decided by what is seen of all while it is in doubt (`Linking`)."""
+
+import math
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
+
+from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted, log_likelihood
+from matchset.tracking.many.sightings import Sighting
+from matchset.tracking.many.tracklet import Followed, Link, Tracklet
+from matchset.tracking.motion import Gate
+
+FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes for a number
+
+
+class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How tracklets are linked with targets.
+
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+
+    Parameters
+    ----------
+    gate : float
+        Squared distance of center, and of size, in standard deviations, up to which a sighting may be a target.
+    least : float
+        Least log-likelihood of one sighting: less lets one bad fit decide.
+    touching : float
+        Distance from where a target was expected that was lost, in half-widths, up to which a tracklet may be of it.
+    clear : float
+        Log-odds of the best joint explanation against the best other one from which there is no doubt.
+    decide : int
+        Sightings of a tracklet after which the likeliest explanation is taken in any case.
+    new_log : float
+        Log-likelihood of a new target: that of one in a square of `new_px` px, less this.
+    new_px : float
+        See there.
+    """
+
+    least: float = -30.0
+    gate: float = 25.0
+    touching: float = 0.9
+    clear: float = 10.0
+    decide: int = 12
+    new_log: float = 12.5
+    new_px: float = 60.0
+
+
+class Linking:
+    """Targets and tracklets, and which are whose.
+
+    Parameters
+    ----------
+    most : int
+        How many targets there may be.
+    motion : ManyMotionParameters
+    limits : LinkingParameters
+
+    Attributes
+    ----------
+    targets : list of Followed
+    tracklets : list of Tracklet
+    bank : MotionBank
+    """
+
+    def __init__(self, most: int, motion: ManyMotionParameters, limits: LinkingParameters) -> None:
+        self.most, self.limits = most, limits
+        self.bank = MotionBank(4 * most, motion)
+        self.targets: list[Followed] = []
+        self.tracklets: list[Tracklet] = []
+        self.dropped: list[Tracklet] = []
+
+    def hidden(self) -> list[Followed]:
+        """Targets that are not seen."""
+        return [each for each in self.targets if each.tracklet is None]
+
+    def end(self, ended: Sequence[Tracklet], time: float) -> list[Followed]:
+        """End tracklets: what is likeliest of them is taken; return the targets that were lost with them."""
+        lost = []
+        for tracklet in ended:
+            owner = next((each for each in tracklet.links if each.tracklet is tracklet), None)
+            if owner is not None:
+                if not tracklet.is_certain:
+                    self._settle(tracklet, owner)
+                owner.tracklet = None
+                if owner.probe is None:
+                    owner.probe, owner.probed, tracklet.tracker = tracklet.tracker, time, None
+                lost.append(owner)
+            elif not tracklet.is_certain:
+                for link in tracklet.links.values():
+                    self.bank.free(link.slot)
+            self.tracklets.remove(tracklet)
+        return lost
+
+    def doubt(self, lost: Sequence[Followed], seen: dict[Tracklet, Sighting], predicted: Predicted) -> None:
+        """Doubt whose the tracklets are that are where targets were lost: these may be nearer, and the others hidden."""
+        for each in lost:
+            place, _ = predicted.likeliest(each.slot)
+            for tracklet, sighting in seen.items():
+                reach = self.limits.touching * max(place.half_width, sighting.place.half_width)
+                if each in tracklet.links or place.distance(sighting.place) > reach:
+                    continue
+                if tracklet.is_certain:
+                    owner = next(iter(tracklet.links))
+                    tracklet.links[owner] = Link(self.bank.copied(owner.slot), 0.0)
+                    tracklet.is_certain = False
+                score = max(link.score for link in tracklet.links.values())
+                tracklet.links[each] = Link(self.bank.copied(each.slot), score)
+                tracklet.doubted = 0
+
+    def go_on(self, seen: dict[Tracklet, Sighting], time: float) -> None:
+        """Correct the filters of all links of tracklets by their new sightings, and weigh those in doubt."""
+        slots, places, variances = list[int](), list[Gate](), list[float]()
+        doubted = any(not tracklet.is_certain for tracklet in seen)
+        predicted = self.bank.predict(time) if doubted else None
+        for tracklet, sighting in seen.items():
+            tracklet.sighting = sighting
+            for link in tracklet.links.values():
+                if predicted is not None and not tracklet.is_certain:
+                    score, _, _ = log_likelihood(predicted, link.slot, sighting.place, sighting.variance)
+                    link.score += max(score, self.limits.least)
+                slots.append(link.slot)
+                places.append(sighting.place)
+                variances.append(sighting.variance)
+            tracklet.doubted += not tracklet.is_certain
+        self.bank.correct(slots, places, variances, time)
+
+    def begin(self, fresh: Sequence[Sighting], predicted: Predicted, time: float) -> list[Tracklet]:
+        """Begin tracklets with what nobody follows yet: each is of a target that is not seen for certain, or new."""
+        begun = list[Tracklet]()
+        for sighting in fresh:
+            tracklet = Tracklet(sighting.label, sighting)
+            for each in self.targets:
+                if each.tracklet is not None and each.tracklet.is_certain:
+                    continue
+                score, squared, size = log_likelihood(predicted, each.slot, sighting.place, sighting.variance)
+                if max(squared, size) < self.limits.gate:
+                    tracklet.links[each] = Link(self.bank.copied(each.slot), score)
+            self.bank.correct(
+                [link.slot for link in tracklet.links.values()],
+                [sighting.place] * len(tracklet.links),
+                [sighting.variance] * len(tracklet.links),
+                time,
+            )
+            if sighting.sure and len(self.targets) + len(begun) < self.most:
+                slot = self.bank.begin(sighting.place, time)
+                new = Followed(sighting.label, slot, sighting)
+                score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
+                tracklet.links[new] = Link(slot, score)
+            if tracklet.links:
+                tracklet.doubted = 1
+                for each in self.targets:
+                    if each.probe is not None and each.probe is sighting.tracker:
+                        each.probe = each.probed = None
+                begun.append(tracklet)
+        self.tracklets += begun
+        return begun
+
+    def decide(self, time: float) -> None:
+        """Take the best joint explanation of all tracklets, and end doubts where no other is nearly as good."""
+        open_ones = [each for each in self.tracklets if not each.is_certain]
+        if open_ones:
+            chosen, cost, table, columns = self._best(open_ones)
+            for tracklet in open_ones:
+                for each in tracklet.links:
+                    if each.tracklet is tracklet:
+                        each.tracklet = None
+            for row, tracklet in enumerate(open_ones):
+                column = chosen[row]
+                if column is not None:
+                    columns[column].tracklet = tracklet
+            for row, tracklet in enumerate(open_ones):
+                column = chosen[row]
+                if column is None:
+                    self._drop(tracklet)
+                elif tracklet.doubted >= self.limits.decide or self._margin(table, row, column, cost) > self.limits.clear:
+                    self._settle(tracklet, columns[column])
+            self._remove_taken()
+        for tracklet in self.tracklets:
+            owner = next((each for each in tracklet.links if each.tracklet is tracklet), None)
+            if owner is not None:
+                owner.seen, owner.last = time, tracklet.sighting
+                owner.sightings += 1
+
+    def _best(
+        self, open_ones: Sequence[Tracklet]
+    ) -> tuple[list[int | None], float, npt.NDArray[np.float64], list[Followed]]:
+        columns = list(dict.fromkeys(each for tracklet in open_ones for each in tracklet.links))
+        table = np.full((len(open_ones), len(columns) + len(open_ones)), FORBIDDEN)
+        for row, tracklet in enumerate(open_ones):
+            for column, each in enumerate(columns):
+                if each in tracklet.links:
+                    table[row, column] = -tracklet.links[each].score
+        rows, taken = linear_sum_assignment(table)
+        chosen: list[int | None] = [None] * len(open_ones)
+        for row, column in zip(rows.tolist(), taken.tolist(), strict=True):
+            chosen[row] = column if column < len(columns) and table[row, column] < FORBIDDEN else None
+        return chosen, float(table[rows, taken].sum()), table, columns
+
+    def _margin(self, table: npt.NDArray[np.float64], row: int, column: int, cost: float) -> float:
+        """By how much more the best explanation costs in which a tracklet is not of its target."""
+        kept, table[row, column] = table[row, column], FORBIDDEN
+        rows, taken = linear_sum_assignment(table)
+        other = float(table[rows, taken].sum())
+        table[row, column] = kept
+        return other - cost
+
+    def _settle(self, tracklet: Tracklet, owner: Followed) -> None:
+        """End the doubt about a tracklet: it is of this target."""
+        link = tracklet.links[owner]
+        for each, other in tracklet.links.items():
+            if each is not owner:
+                self.bank.free(other.slot)
+                if each.tracklet is tracklet:
+                    each.tracklet = None
+        if owner.slot != link.slot:
+            self.bank.free(owner.slot)
+            owner.slot = link.slot
+        tracklet.links = {owner: link}
+        tracklet.is_certain, tracklet.doubted = True, 0
+        if owner not in self.targets:
+            self.targets.append(owner)
+
+    def _remove_taken(self) -> None:
+        """Remove links with targets that are certainly elsewhere."""
+        for tracklet in list(self.tracklets):
+            if tracklet.is_certain:
+                continue
+            for each in list(tracklet.links):
+                if each.tracklet is not None and each.tracklet is not tracklet and each.tracklet.is_certain and len(tracklet.links) > 1:
+                    self.bank.free(tracklet.links.pop(each).slot)
+
+    def _drop(self, tracklet: Tracklet) -> None:
+        """Forget a tracklet that can be of no target."""
+        for link in tracklet.links.values():
+            self.bank.free(link.slot)
+        self.tracklets.remove(tracklet)
+        self.dropped.append(tracklet)
+
+    def forget(self, time: float, memory: float) -> None:
+        """Forget targets that were not seen for longer than this, s."""
+        for each in [each for each in self.targets if each.tracklet is None and time - each.seen > memory]:
+            self.targets.remove(each)
+            self.bank.free(each.slot)
+            for tracklet in self.tracklets:
+                if each in tracklet.links and len(tracklet.links) > 1:
+                    self.bank.free(tracklet.links.pop(each).slot)

@@ -1,0 +1,59 @@
+"""How several targets are followed: `MultiTrackerParameters`."""
+
+import msgspec
+
+from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.many.linking import LinkingParameters
+from matchset.tracking.many.motion_bank import ManyMotionParameters
+from matchset.tracking.many.sightings import MergeParameters
+from matchset.tracking.many.strip_search import StripSearchParameters
+from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.voting import SearchParameters
+
+ONE_OF_SEVERAL = TrackerParameters(search=SearchParameters(whole_frame=False), network=NetworkParameters(looks=4))
+
+
+class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How several targets are followed.
+
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+
+    Parameters
+    ----------
+    memory : float
+        How long a target that is not seen keeps its identity, s.
+    confirm : int
+        Sightings from which something new has an identity.
+    expected : float
+        How long a target that is not seen is tracked from where its motion would have it, s; later only searches can
+        find it.
+    restarts : int
+        Frames in which a new tracklet's tracker begins where the filters expect it, whose velocity is better than its own.
+    min_visible : float
+        Share of its half-width that a target must reach out from behind a nearer one to be looked for.
+    halted_period, halted_after : int, float
+        Of so many frames in which a hidden target is looked for, one begins where it was seen last, once that is longer
+        ago, s: what was caught stays there.
+    points : int
+        Lines across each outline, see `Tracker`.
+    motion : ManyMotionParameters
+    linking : LinkingParameters
+    merge : MergeParameters
+    search : StripSearchParameters
+    tracker : TrackerParameters
+        Of each target's tracker; it must not search the whole frame.
+    """
+
+    memory: float = 2.0
+    confirm: int = 2
+    expected: float = 0.6
+    restarts: int = 3
+    min_visible: float = 0.3
+    halted_period: int = 3
+    halted_after: float = 0.15
+    points: int = 64
+    motion: ManyMotionParameters = ManyMotionParameters()
+    linking: LinkingParameters = LinkingParameters()
+    merge: MergeParameters = MergeParameters()
+    search: StripSearchParameters = StripSearchParameters()
+    tracker: TrackerParameters = ONE_OF_SEVERAL

@@ -171,6 +171,18 @@ def test_hidden_balls_count_neither_for_nor_against() -> None:
         assert (found.hota, found.missed, found.false) == pytest.approx((1.0, 0.0, 0.0))
 
 
+def test_an_answer_on_a_hidden_ball_is_not_taken_for_the_one_before_it() -> None:
+    pytest.importorskip("trackeval.metrics", exc_type=ImportError)
+    truth, answers = toy(9), said(toy(9))
+    for k in (4, 5):
+        behind = ms.Circle(truth[k][0].circle.x + 5.0, 100.0, 20.0)
+        truth[k] = [truth[k][0], Seen(1, behind, 0.2)]
+        answers[k] = [Answer(8, behind)]
+    found = score(truth, answers)
+    assert found.switches == 0
+    assert found.missed == pytest.approx(2.0 / 16.0)
+
+
 def test_cases_are_listed_and_checked() -> None:
     listed = cases(["swarm", PAIR], [2, 5], 3.0, (200, 201))
     assert [(each.scene, each.balls, each.seconds, each.seed) for each in listed[3:5]] == [

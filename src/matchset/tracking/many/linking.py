@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted, log_likelihood
+from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted, likelihood
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.tracklet import Followed, Link, Tracklet
 from matchset.tracking.motion import Gate
@@ -37,15 +37,18 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
         Log-likelihood of a new target: that of one in a square of `new_px` px, less this.
     new_px : float
         See there.
+    unsure : float
+        How much less likely a new target is that only a search for a hidden one has found.
     """
 
     least: float = -30.0
     gate: float = 25.0
     touching: float = 0.9
-    clear: float = 10.0
+    clear: float = 5.0
     decide: int = 12
-    new_log: float = 12.5
+    new_log: float = 8.0
     new_px: float = 60.0
+    unsure: float = 5.0
 
 
 class Linking:
@@ -119,8 +122,8 @@ class Linking:
             tracklet.sighting = sighting
             for link in tracklet.links.values():
                 if predicted is not None and not tracklet.is_certain:
-                    score, _, _ = log_likelihood(predicted, link.slot, sighting.place, sighting.variance)
-                    link.score += max(score, self.limits.least)
+                    explained = likelihood(predicted, link.slot, sighting.place, sighting.variance)
+                    link.score += max(explained.log, self.limits.least)
                 slots.append(link.slot)
                 places.append(sighting.place)
                 variances.append(sighting.variance)
@@ -135,20 +138,13 @@ class Linking:
             for each in self.targets:
                 if each.tracklet is not None and each.tracklet.is_certain:
                     continue
-                score, squared, size = log_likelihood(predicted, each.slot, sighting.place, sighting.variance)
-                if max(squared, size) < self.limits.gate:
-                    tracklet.links[each] = Link(self.bank.copied(each.slot), score)
-            self.bank.correct(
-                [link.slot for link in tracklet.links.values()],
-                [sighting.place] * len(tracklet.links),
-                [sighting.variance] * len(tracklet.links),
-                time,
-            )
-            if sighting.sure and len(self.targets) + len(begun) < self.most:
-                slot = self.bank.begin(sighting.place, time)
-                new = Followed(sighting.label, slot, sighting)
+                explained = likelihood(predicted, each.slot, sighting.place, sighting.variance)
+                if explained.squared < self.limits.gate:
+                    tracklet.links[each] = Link(self._slot_after(each, sighting, explained.halted, time), explained.log)
+            if len(self.targets) + len(begun) < self.most:
+                new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
-                tracklet.links[new] = Link(slot, score)
+                tracklet.links[new] = Link(new.slot, score - (0.0 if sighting.sure else self.limits.unsure))
             if tracklet.links:
                 tracklet.doubted = 1
                 for each in self.targets:
@@ -157,6 +153,14 @@ class Linking:
                 begun.append(tracklet)
         self.tracklets += begun
         return begun
+
+    def _slot_after(self, each: Followed, sighting: Sighting, halted: bool, time: float) -> int:
+        """Return a slot of the filters as a target's after a sighting; one that has halted may go on in any direction."""
+        if halted:
+            return self.bank.begin(sighting.place, time)
+        slot = self.bank.copied(each.slot)
+        self.bank.correct([slot], [sighting.place], [sighting.variance], time)
+        return slot
 
     def decide(self, time: float) -> None:
         """Take the best joint explanation of all tracklets, and end doubts where no other is nearly as good."""

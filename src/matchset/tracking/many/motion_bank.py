@@ -220,18 +220,26 @@ class MotionBank:
         return states, covariances
 
 
-def log_likelihood(predicted: Predicted, slot: int, place: Gate, variance: float) -> tuple[float, float, float]:
-    """Log-likelihood of a sighting as the target of a slot, by all models of motion.
+class Likelihood(NamedTuple):
+    """How well a sighting is explained as the target of a slot.
 
-    Returns
-    -------
-    log_likelihood : float
-        Of center, px, and ln(half-width).
+    Attributes
+    ----------
+    log : float
+        Log-likelihood of center, px, and ln(half-width), by all models of motion.
     squared : float
-        Squared distance of the center by the nearest model, in standard deviations.
-    size : float
-        Squared distance of ln(half-width), in standard deviations, with its sign.
+        Squared distance, in standard deviations, the larger one of the center by the nearest model and of the size.
+    halted : bool
+        Whether that it has halted explains it best.
     """
+
+    log: float
+    squared: float
+    halted: bool
+
+
+def likelihood(predicted: Predicted, slot: int, place: Gate, variance: float) -> Likelihood:
+    """Say how well a sighting with a variance of its center, px^2, is explained as the target of a slot."""
     terms, squared = list[float](), math.inf
     centers, variances, weights = (
         each[slot].tolist() for each in (predicted.centers, predicted.variances, predicted.log_weights)
@@ -242,6 +250,6 @@ def log_likelihood(predicted: Predicted, slot: int, place: Gate, variance: float
         squared = min(squared, distance)
         terms.append(weight - 0.5 * distance - math.log(total))
     most, of_size = max(terms), float(predicted.size_variances[slot])
-    change = math.log(place.half_width / float(predicted.half_widths[slot])) / math.sqrt(of_size)
-    likelihood = most + math.log(sum(math.exp(term - most) for term in terms))
-    return likelihood - 0.5 * change * change - 0.5 * math.log(of_size), squared, change * abs(change)
+    change = math.log(place.half_width / float(predicted.half_widths[slot])) ** 2 / of_size
+    log = most + math.log(sum(math.exp(term - most) for term in terms)) - 0.5 * change - 0.5 * math.log(of_size)
+    return Likelihood(log, max(squared, change), terms[HALTED] == most)

@@ -56,6 +56,7 @@ class Observer:
         }
         self._spare: dict[str, list[Tracker[Any]]] = {label: [] for label in colors}
         self._frames = 0
+        self._fields = 0.0, 0.0
 
     def tracker(self, label: str) -> Tracker[Any]:
         """Return a tracker that nobody uses."""
@@ -79,6 +80,7 @@ class Observer:
     ) -> Observed:
         """Look at a frame, `passed` seconds after the one before."""
         self._frames += 1
+        self._share_fields(tracklets)
         continued, ended = self._follow(frame, predicted, (tracklets, hidden), passed)
         known = list(continued.values())
         fresh = list[Sighting]()
@@ -87,6 +89,17 @@ class Observer:
         for sighting in self._search(frame, predicted, hidden, [*known, *fresh]):
             self._add(frame, fresh, sighting, known)
         return Observed(continued, ended, fresh)
+
+    def _share_fields(self, tracklets: Sequence[Tracklet]) -> None:
+        """Let all trackers know what the fastest target has told about the fields of the camera's pictures."""
+        trackers = [each.tracker for each in tracklets if each.tracker is not None]
+        works = [each._fitter.work.motion for each in trackers]
+        best = max(works, key=lambda motion: float(motion.speed_moment), default=None)
+        if best is not None and best.speed_moment > self._fields[1]:
+            self._fields = float(best.offset_moment), float(best.speed_moment)
+        for motion in works:
+            if motion.speed_moment < self._fields[1]:
+                motion.offset_moment, motion.speed_moment = self._fields
 
     def _follow(
         self, frame: Frame, predicted: Predicted, followed: tuple[Sequence[Tracklet], Sequence[Followed]], passed: float
@@ -98,6 +111,8 @@ class Observer:
             if each.tracker is None:
                 each.tracker = self.tracker(each.label)
                 each.restarts = self._limits.restarts
+                motion = each.tracker._fitter.work.motion
+                motion.offset_moment, motion.speed_moment = self._fields
             if each.restarts > 0:
                 each.restarts -= 1
                 each.start(predicted, passed)
@@ -183,6 +198,9 @@ class Observer:
                 continue
             tracker = each.probe = each.probe or self.tracker(each.label)
             since = passed if each.probed is None else min(frame.time - each.probed, 1.0)
+            motion = tracker._fitter.work.motion
+            if motion.speed_moment < self._fields[1]:
+                motion.offset_moment, motion.speed_moment = self._fields
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
             answer = tracker.update(frame)

@@ -1,12 +1,13 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights hypotheses evidence bench-radio \
-    bench-real toolchain soak wheel-check release-check first-picture as-typed link-peers clean
+    bench-real bench-crowds toolchain soak wheel-check release-check first-picture as-typed link-peers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
 READY := .venv/ready
 PEERS := .bench/ready
+CROWDS := .bench/crowds-ready
 VISP := .bench/visp
 BETAFLIGHT := .bench/betaflight/betaflight
 SITE_TOOLS := .venv/site-tools
@@ -63,6 +64,9 @@ bench-real: $(PEERS)  ## real footage and times, as a user has them, against wha
 
 bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
+
+bench-crowds: $(CROWDS)  ## who keeps which name in a crowd of equal balls, beside norfair, ByteTrack, OC-SORT and SORT (two hours; stop it, it goes on)
+	$(ONE_THREAD) .bench/bin/python -m benchmarks.crowds $(or $(ARGS),--bars -o benchmarks/CROWDS.md)
 
 weights: $(PYTORCH)  ## make weights of the network of discs from nothing, with PyTorch (half an hour; ARGS="FOLDER of photographs")
 	$(ONE_THREAD) $(BIN)/python -m training $(or $(ARGS),../photographs)
@@ -136,6 +140,9 @@ $(PYTORCH): pyproject.toml | $(READY)
 
 $(PEERS): pyproject.toml .ci/setup-bench | $(READY)
 	.ci/setup-bench
+
+$(CROWDS): .ci/setup-crowds $(PEERS)
+	.ci/setup-crowds
 
 $(VISP): benchmarks/peers/visp_driver.cpp .ci/setup-visp $(PEERS)
 	.ci/setup-visp

@@ -127,7 +127,7 @@ def watched(case: Case) -> Watched:
         found = ms.detect(frame, ms.Circle, color, limit=2 * case.balls)
         result.seconds.append(time.perf_counter() - begin)
         result.found.append([(*_rounded(each.shape), round(each.support, 4)) for each in found])
-        result.truth.append(None if seen is None else [_noted(each) for each in seen])
+        result.truth.append(noted(seen))
     FOLDER.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_suffix(f".{os.getpid()}")
     unfinished.write_bytes(msgspec.json.encode(result))
@@ -150,8 +150,11 @@ def checksum(folders: tuple[str, ...]) -> str:
     return total.hexdigest()[:12]
 
 
-def _noted(ball: Seen) -> tuple[int, float, float, float, float]:
-    return (ball.identity, *_rounded(ball.circle), round(ball.visible, 4))
+def noted(seen: list[Seen] | None) -> list[tuple[int, float, float, float, float]] | None:
+    """Return what is noted of a frame's truth in `Watched`."""
+    if seen is None:
+        return None
+    return [(ball.identity, *_rounded(ball.circle), round(ball.visible, 4)) for ball in seen]
 
 
 def _rounded(circle: ms.Circle) -> tuple[float, float, float]:

@@ -1,6 +1,8 @@
 """Who follows a crowd: `Follower`, and how each is made, `follower`."""
 
+import hashlib
 import time
+from pathlib import Path
 from typing import Any, Protocol
 
 import matchset as ms
@@ -13,6 +15,7 @@ from benchmarks.crowds.score import Answer
 from matchset.localization.neighbors.neighbors import NeighborsParameters
 
 PURPLE = ((135, 80, 40), (165, 255, 255))  # HSV limits of a marker that no ball of these crowds has
+SCORE = Path(__file__).with_name("score.py")
 OWN = {"matchset": "matchset `MultiTracker`", "neighbors": "matchset `Neighbors`"}
 NAMES = OWN | {key: peer.name for key, peer in PEERS.items()}
 
@@ -105,8 +108,9 @@ class Field:
 
 
 def version(key: str) -> str:
-    """Say what decides the answers of a follower to a crowd: where it differs they are found anew."""
+    """Say what decides the row of a follower and a crowd: where it differs that is found anew."""
+    scoring = hashlib.sha256(SCORE.read_bytes()).hexdigest()[:4]
     if key in PEERS:
         values = ", ".join(f"{name} {value}" for name, value in sorted(stored(key).items()))
-        return f"{checksum(DETECTING)}: {values}"
-    return checksum(FOLLOWING)
+        return f"{checksum(DETECTING)}-{scoring}: {values}"
+    return f"{checksum(FOLLOWING)}-{scoring}"

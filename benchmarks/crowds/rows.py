@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from benchmarks.crowds.cases import PAIR, Case, Watched, color_of, watched
+from benchmarks.crowds.cases import PAIR, Case, Watched, color_of, noted, watched
 from benchmarks.crowds.followers import Field, version
 from benchmarks.crowds.peers.peer import PEERS
 from benchmarks.crowds.score import Answer, Score, names_kept, score
@@ -73,12 +73,12 @@ class Kept:
 
 def follow(case: Case, keys: Sequence[str], field: Field, machine: str, add: Callable[[Row], None]) -> None:
     """Let followers follow a crowd, and hand out the row of each."""
-    known = watched(case)
     for key in keys:
         if key in PEERS:
+            known = watched(case)
             answers, seconds = follow_fed(field, key, known)
         else:
-            answers, seconds = _follow_pictures(field, key, case)
+            known, answers, seconds = _follow_pictures(field, key, case)
         add(_row(case, key, known, answers, seconds, machine))
 
 
@@ -94,14 +94,16 @@ def follow_fed(
     return answers, seconds
 
 
-def _follow_pictures(field: Field, key: str, case: Case) -> tuple[list[list[Answer]], list[float]]:
+def _follow_pictures(field: Field, key: str, case: Case) -> tuple[Watched, list[list[Answer]], list[float]]:
+    """Let one of matchset's follow the pictures; nothing is detected in them beside that."""
     crowd = case.crowd()
     follower = field.own(key, crowd, color_of(crowd))
-    answers, seconds = [], []
-    for frame, _ in crowd:
+    known, answers, seconds = Watched([], [], []), [], []
+    for frame, seen in crowd:
         answers.append(follower.update(frame))
         seconds.append(follower.seconds)
-    return answers, seconds
+        known.truth.append(noted(seen))
+    return known, answers, seconds
 
 
 def _row(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
@@ -130,14 +131,21 @@ def _doubled(seen: list[Seen], said: list[Answer]) -> int:
 
 
 def _frame(seen: list[Seen], said: list[Answer]) -> tuple[list[int], list[int], npt.NDArray[np.float64]]:
-    """Balls and names of a frame that count, and how far each two of them are the same."""
+    """Balls and names of a frame that count, and how far each two of them are the same.
+
+    Answers are first given to all balls, hidden ones too, as in the MOT challenge; those of hidden balls do not count,
+    nor do others that lie on hidden balls alone.
+    """
+    overlaps = np.array([[iou(ball.circle, answer.circle) for answer in said] for ball in seen])
+    overlaps = overlaps.reshape(len(seen), len(said))
+    overlaps[overlaps <= MIN_IOU] *= 1e-3  # beside whatever is a match
+    counts = np.array([ball.visible >= MIN_VISIBLE for ball in seen], bool)
+    met = overlaps > MIN_IOU
+    kept = met[counts].any(axis=0) | ~met[~counts].any(axis=0)
+    for ball, answer in zip(*linear_sum_assignment(overlaps, maximize=True), strict=True):
+        kept[answer] &= counts[ball] or not met[ball, answer]
     counted = [each for each in seen if each.visible >= MIN_VISIBLE]
-    hidden = [each for each in seen if each.visible < MIN_VISIBLE]
-    overlaps = np.array([[iou(ball.circle, answer.circle) for answer in said] for ball in counted])
-    overlaps = overlaps.reshape(len(counted), len(said))
-    kept = [
-        at
-        for at, each in enumerate(said)
-        if (overlaps[:, at] > MIN_IOU).any() or not any(iou(ball.circle, each.circle) > MIN_IOU for ball in hidden)
-    ]
-    return [each.identity for each in counted], [said[at].identity for at in kept], overlaps[:, kept]
+    left = [each for each, stays in zip(said, kept, strict=True) if stays]
+    shared = np.array([[iou(ball.circle, answer.circle) for answer in left] for ball in counted])
+    names = [each.identity for each in left]
+    return [each.identity for each in counted], names, shared.reshape(len(counted), len(left))

@@ -74,7 +74,7 @@ PEERS = {
         "sort_family",
         {
             "overlap": _OVERLAPS,
-            "minimum_iou_threshold": (0.1, -0.9, -0.6, -0.3, 0.02, 0.2, 0.3),
+            "minimum_iou_threshold": (0.1, -0.6, -0.3, 0.02, 0.2, 0.3),
             "track_activation_threshold": (0.7, 0.5, 0.6, 0.8, 0.9),
             "high_conf_det_threshold": (0.6, 0.5, 0.7, 0.8),
             **_SHARED,
@@ -86,7 +86,7 @@ PEERS = {
         "sort_family",
         {
             "overlap": _OVERLAPS,
-            "minimum_iou_threshold": (0.3, -0.9, -0.6, -0.3, 0.02, 0.1, 0.2),
+            "minimum_iou_threshold": (0.3, -0.6, -0.3, 0.02, 0.1, 0.2),
             "direction_consistency_weight": (0.2, 0.0, 0.1, 0.4),
             "high_conf_det_threshold": (0.6, 0.5, 0.7),
             "delta_t": (3, 1, 2, 5),
@@ -99,7 +99,7 @@ PEERS = {
         "sort_family",
         {
             "overlap": _OVERLAPS,
-            "minimum_iou_threshold": (0.3, -0.9, -0.6, -0.3, 0.02, 0.1, 0.2),
+            "minimum_iou_threshold": (0.3, -0.6, -0.3, 0.02, 0.1, 0.2),
             "track_activation_threshold": (0.25, 0.6, 0.7, 0.8),
             **_SHARED,
         },

@@ -20,7 +20,7 @@ from matchset.image.frame import Frame
 from matchset.live.targets.drawn_outline import circle_along, shape_along
 from matchset.live.targets.followed_targets import FollowedTargets, FollowedTargetsParameters, _Trial
 from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
-from matchset.live.targets.target import Target, is_beside
+from matchset.live.targets.target import ClickedTarget, is_beside
 from matchset.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.live.wire.state import TargetState
 from matchset.shapes.circle import Circle
@@ -70,7 +70,7 @@ def test_a_page_names_no_file_as_a_shape() -> None:
     frame = Frame(scene(), 0.0, 0)
     for shape in ("/etc/passwd", "0,0 4,0 0,3", "circle:affine", "Circle "):
         with pytest.raises(ValueError, match="a shape is circle"):
-            Target(1, Pick(1, 60, 60, shape), frame)
+            ClickedTarget(1, Pick(1, 60, 60, shape), frame)
 
 
 def scene() -> Image:
@@ -296,10 +296,10 @@ def marked(seed: int, marker: float) -> tuple[Frame, tuple[float, float], float]
 @pytest.mark.parametrize("seed", range(3))
 def test_a_click_on_the_marker_of_a_ball_offers_the_ball(seed: int, marker: float) -> None:
     frame, (x, y), radius = marked(seed, marker)
-    target = Target(1, Pick(1, x, y), frame)
+    target = ClickedTarget(1, Pick(1, x, y), frame)
     radii = [each.circle[2] for each in target.tracker.color.alternatives]
     if marker:
-        target = Target(1, Pick(1, x, y, reading=1 + radii.index(max(radii))), frame)
+        target = ClickedTarget(1, Pick(1, x, y, reading=1 + radii.index(max(radii))), frame)
     assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
 
 

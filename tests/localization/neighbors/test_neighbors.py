@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from crowds import CAMERA, TARGET, neighbors
 
 import matchset as ms
+from crowds import CAMERA, TARGET, neighbors
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
 
 STILL: list[PositionFunction] = [lambda _: (-0.7, 0.0, 2.0), lambda _: (0.1, -0.3, 1.5), lambda _: (0.8, 0.3, 2.5)]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from matchset.app.backward.mirrored import FrameFollower, MirroredTracker
 from matchset.image.frame import Frame
 from matchset.live.files.file_target import FileTarget
-from matchset.live.targets.target import Target
+from matchset.live.targets.target import ClickedTarget
 from matchset.media.exact_reader import ExactReader, InterruptedReadingError
 from matchset.media.frame_list import FrameList
 
@@ -57,7 +57,7 @@ class TrackingRun:
         """Follow the target into the next frame; raises InterruptedReadingError if something is wanted more."""
         frame = self._next()
         if self._tracker is None:
-            tracker = Target(self.target.number, self._begin, frame).tracker
+            tracker = ClickedTarget(self.target.number, self._begin, frame).tracker
             self._tracker = MirroredTracker(tracker) if self.backward else tracker
         if self.place == self.click:
             self.began = frame.time

@@ -17,7 +17,7 @@ from matchset.live.files.run import TrackingRun
 from matchset.live.files.trials import Trial, Trials
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
-from matchset.live.targets.target import Target
+from matchset.live.targets.target import ClickedTarget
 from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.waiting import WaitingWishes
 from matchset.localization.ball_target import BallTarget
@@ -308,7 +308,7 @@ class FileTracking(Closing):
     def _follow(self, number: int, click: Pick | Outline, place: int, ball: BallTarget | None) -> None:
         """Follow a target from its first click on, both ways."""
         frame = self._frame(click, place)
-        made = Target(number, click, frame)
+        made = ClickedTarget(number, click, frame)
         target = FileTarget(number, click, place)
         target.locate(self.camera, ball)
         target.color, target.readings = made.tracker.color.copy(), made.readings
@@ -337,7 +337,7 @@ class FileTracking(Closing):
         place = self._shown.place_of(wish.sequence)
         click = Pick(wish.sequence, wish.x, wish.y, target.shape)
         frame = self._frame(wish, place)
-        Target(target.number, click, frame)  # refuses what cannot be followed
+        ClickedTarget(target.number, click, frame)  # refuses what cannot be followed
         first = place <= min(target.clicks)
         target.correct(wish, place)
         ways = (True, False) if first else (False,)

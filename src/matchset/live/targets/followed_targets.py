@@ -13,7 +13,7 @@ from matchset.image.frame import Frame
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.crossing import Crossing
 from matchset.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread, Wish
-from matchset.live.targets.target import Target, catch_up, exchange, is_beside, same_place
+from matchset.live.targets.target import ClickedTarget, catch_up, exchange, is_beside, same_place
 from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.target_maker import TargetMaker
 from matchset.live.vision.kept_frames import KeptFrames
@@ -49,7 +49,7 @@ class _Making(NamedTuple):
     number: int
     begin: Begin
     frame: Frame
-    result: Future[Target]
+    result: Future[ClickedTarget]
     later: list[Wish]
 
 
@@ -89,12 +89,12 @@ class FollowedTargets(Closing):
     ) -> None:
         self.clicks = clicks or Clicks(note)
         self._kept, self._note, self._parameters = kept, note, parameters or FollowedTargetsParameters()
-        self._targets: dict[int, Target] = {}
+        self._targets: dict[int, ClickedTarget] = {}
         self._trials: dict[int, _Trial] = {}
         self._making: deque[_Making] = deque()
         self._numbers = 0
         self._crossing = Crossing()
-        self._maker: TargetMaker[Target] = TargetMaker()
+        self._maker: TargetMaker[ClickedTarget] = TargetMaker()
         self.camera: CameraModel | None = None
 
     def close(self) -> None:
@@ -102,11 +102,11 @@ class FollowedTargets(Closing):
         self._maker.close()
 
     @property
-    def targets(self) -> Sequence[Target]:
+    def targets(self) -> Sequence[ClickedTarget]:
         """What is followed."""
         return list(self._targets.values())
 
-    def target(self, number: int) -> Target:
+    def target(self, number: int) -> ClickedTarget:
         """Return a target by its number.
 
         Raises
@@ -217,7 +217,7 @@ class FollowedTargets(Closing):
         if len(self._targets) + len(self._making) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1
-        order = functools.partial(Target, self._numbers, begin, frame)
+        order = functools.partial(ClickedTarget, self._numbers, begin, frame)
         self._making.append(_Making(self._numbers, begin, frame, self._maker.order(order), []))
 
     def _reread(self, wish: Reread) -> None:
@@ -227,7 +227,7 @@ class FollowedTargets(Closing):
             raise ValueError(f"{self.target(wish.target).name} was not clicked: there is nothing else that it may mean")
         click, frame = clicked
         meant = msgspec.structs.replace(click, reading=wish.reading)
-        order = functools.partial(Target, wish.target, meant, frame)
+        order = functools.partial(ClickedTarget, wish.target, meant, frame)
         self._making.append(_Making(wish.target, meant, frame, self._maker.order(order), []))
 
     def _take_made(self) -> None:

@@ -1,4 +1,4 @@
-"""Something that was clicked and is followed since: `Target`."""
+"""Something that was clicked and is followed since: `ClickedTarget`."""
 
 import math
 from typing import Any
@@ -29,7 +29,7 @@ INNER = 0.5  # geometry: half-side of the square inside an outline from which it
 Floats = npt.NDArray[np.float64]
 
 
-class Target:
+class ClickedTarget:
     """Follows one shape, and places it where its diameter and the camera are known.
 
     Parameters
@@ -193,13 +193,13 @@ class Target:
         return lost_state(self._about, answer.reason, since, answer.predicted)
 
 
-def catch_up(target: Target, frames: list[Frame]) -> None:
+def catch_up(target: ClickedTarget, frames: list[Frame]) -> None:
     """Follow a target through the frames since the click, so that it is where the newest one is."""
     for frame in frames:
         target.update(frame)
 
 
-def exchange(one: Target, other: Target, frame: Frame) -> tuple[TargetState, TargetState]:
+def exchange(one: ClickedTarget, other: ClickedTarget, frame: Frame) -> tuple[TargetState, TargetState]:
     """Give each of two targets what the other one followed; returns what is told of them in the same frame."""
     one.tracker, other.tracker = other.tracker, one.tracker
     one.answer, other.answer = other.answer, one.answer

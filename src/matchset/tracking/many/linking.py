@@ -10,7 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import Sighting
-from matchset.tracking.many.tracklet import Followed, Link, Tracklet
+from matchset.tracking.many.tracklet import Followed, Hypothesis, Tracklet
 
 FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes for a number
 
@@ -81,11 +81,11 @@ class Linking:
         """End tracklets, at a time, s; return the targets that were lost with them. Of one in doubt nothing is kept."""
         lost = list[Followed]()
         for tracklet in ended:
-            for each, link in tracklet.links.items():
+            for each, hypothesis in tracklet.hypotheses.items():
                 if each.tracklet is tracklet:
                     each.tracklet = None
                 if not tracklet.is_certain:
-                    self.bank.free(link.slot)
+                    self.bank.free(hypothesis.slot)
                 else:
                     each.take_probe(tracklet, time)
                     lost.append(each)
@@ -98,28 +98,28 @@ class Linking:
             place, _ = predicted.likeliest(each.slot)
             for tracklet, sighting in seen.items():
                 reach = self.limits.touching * max(place.half_width, sighting.place.half_width)
-                if each in tracklet.links or place.distance(sighting.place) > reach:
+                if each in tracklet.hypotheses or place.distance(sighting.place) > reach:
                     continue
                 if tracklet.is_certain:
-                    owner = next(iter(tracklet.links))
-                    tracklet.links[owner] = Link(self.bank.copied(owner.slot), 0.0)
+                    owner = next(iter(tracklet.hypotheses))
+                    tracklet.hypotheses[owner] = Hypothesis(self.bank.copied(owner.slot), 0.0)
                     tracklet.is_certain = False
-                score = max(link.score for link in tracklet.links.values())
-                tracklet.links[each] = Link(self.bank.copied(each.slot), score)
+                score = max(hypothesis.score for hypothesis in tracklet.hypotheses.values())
+                tracklet.hypotheses[each] = Hypothesis(self.bank.copied(each.slot), score)
                 tracklet.doubted = 0
 
     def go_on(self, seen: dict[Tracklet, Sighting], time: float) -> None:
-        """Correct the filters of all links of tracklets by their new sightings, and weigh those in doubt."""
+        """Correct the filters of all hypotheses of tracklets by their new sightings, and weigh those in doubt."""
         slots, sightings = list[int](), list[Sighting]()
         doubted = any(not tracklet.is_certain for tracklet in seen)
         predicted = Predicted(self.bank, time) if doubted else None
         for tracklet, sighting in seen.items():
             tracklet.sighting = sighting
-            for link in tracklet.links.values():
+            for hypothesis in tracklet.hypotheses.values():
                 if predicted is not None and not tracklet.is_certain:
-                    explained = predicted.likelihood(link.slot, sighting.place, sighting.variance)
-                    link.score += max(explained.log, self.limits.least)
-                slots.append(link.slot)
+                    explained = predicted.likelihood(hypothesis.slot, sighting.place, sighting.variance)
+                    hypothesis.score += max(explained.log, self.limits.least)
+                slots.append(hypothesis.slot)
                 sightings.append(sighting)
             tracklet.doubted += not tracklet.is_certain
         if doubted or len(seen) < len(self.targets):
@@ -132,17 +132,19 @@ class Linking:
         begun = list[Tracklet]()
         for sighting in fresh:
             tracklet = Tracklet(sighting.label, sighting)
-            for each in () if sighting.wished else self.targets:
+            for each in () if sighting.requested else self.targets:
                 if each.tracklet is not None and each.tracklet.is_certain:
                     continue
                 explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
                 if explained.squared < self.limits.gate:
-                    tracklet.links[each] = Link(self._slot_after(each, sighting, explained.halted, time), explained.log)
+                    slot = self._slot_after(each, sighting, explained.halted, time)
+                    tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
             if len(self.targets) + len(begun) < self.most:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
-                tracklet.links[new] = Link(new.slot, score - (0.0 if sighting.sure else self.limits.unsure))
-            if tracklet.links:
+                score -= 0.0 if sighting.sure else self.limits.unsure
+                tracklet.hypotheses[new] = Hypothesis(new.slot, score)
+            if tracklet.hypotheses:
                 tracklet.doubted = 1
                 for each in self.targets:
                     if each.probe is not None and each.probe is sighting.tracker:
@@ -169,7 +171,7 @@ class Linking:
         if open_ones:
             chosen, cost, table, columns = self._best(open_ones)
             for tracklet in open_ones:
-                for each in tracklet.links:
+                for each in tracklet.hypotheses:
                     if each.tracklet is tracklet:
                         each.tracklet = None
             for row, tracklet in enumerate(open_ones):
@@ -187,7 +189,7 @@ class Linking:
                     self._settle(tracklet, columns[column])
             self._remove_taken()
         for tracklet in self.tracklets:
-            owner = next((each for each in tracklet.links if each.tracklet is tracklet), None)
+            owner = next((each for each in tracklet.hypotheses if each.tracklet is tracklet), None)
             if owner is not None:
                 owner.sightings += 1
                 if tracklet.is_certain:
@@ -197,12 +199,12 @@ class Linking:
     def _best(
         self, open_ones: Sequence[Tracklet]
     ) -> tuple[list[int | None], float, npt.NDArray[np.float64], list[Followed]]:
-        columns = list(dict.fromkeys(each for tracklet in open_ones for each in tracklet.links))
+        columns = list(dict.fromkeys(each for tracklet in open_ones for each in tracklet.hypotheses))
         table = np.full((len(open_ones), len(columns) + len(open_ones)), FORBIDDEN)
         for row, tracklet in enumerate(open_ones):
             for column, each in enumerate(columns):
-                if each in tracklet.links:
-                    table[row, column] = -tracklet.links[each].score
+                if each in tracklet.hypotheses:
+                    table[row, column] = -tracklet.hypotheses[each].score
         rows, taken = linear_sum_assignment(table)
         chosen: list[int | None] = [None] * len(open_ones)
         for row, column in zip(rows.tolist(), taken.tolist(), strict=True):
@@ -219,38 +221,38 @@ class Linking:
 
     def _settle(self, tracklet: Tracklet, owner: Followed) -> None:
         """End the doubt about a tracklet: it is of this target."""
-        link = tracklet.links[owner]
-        for each, other in tracklet.links.items():
+        hypothesis = tracklet.hypotheses[owner]
+        for each, other in tracklet.hypotheses.items():
             if each is not owner:
                 self.bank.free(other.slot)
                 if each.tracklet is tracklet:
                     each.tracklet = None
-        if owner.slot != link.slot:
+        if owner.slot != hypothesis.slot:
             self.bank.free(owner.slot)
-            owner.slot = link.slot
-        tracklet.links = {owner: link}
+            owner.slot = hypothesis.slot
+        tracklet.hypotheses = {owner: hypothesis}
         tracklet.is_certain, tracklet.doubted = True, 0
         if owner not in self.targets:
             self.targets.append(owner)
 
     def _remove_taken(self) -> None:
-        """Remove links with targets that are certainly elsewhere."""
+        """Remove hypotheses with targets that are certainly elsewhere."""
         for tracklet in list(self.tracklets):
             if tracklet.is_certain:
                 continue
-            for each in list(tracklet.links):
+            for each in list(tracklet.hypotheses):
                 if (
                     each.tracklet is not None
                     and each.tracklet is not tracklet
                     and each.tracklet.is_certain
-                    and len(tracklet.links) > 1
+                    and len(tracklet.hypotheses) > 1
                 ):
-                    self.bank.free(tracklet.links.pop(each).slot)
+                    self.bank.free(tracklet.hypotheses.pop(each).slot)
 
     def _drop(self, tracklet: Tracklet) -> None:
         """Forget a tracklet that can be of no target."""
-        for link in tracklet.links.values():
-            self.bank.free(link.slot)
+        for hypothesis in tracklet.hypotheses.values():
+            self.bank.free(hypothesis.slot)
         self.tracklets.remove(tracklet)
 
     def forget(self, time: float, memory: float, unconfirmed: float) -> None:
@@ -263,11 +265,11 @@ class Linking:
         """Forget a target; return the tracklets that end with it."""
         self.targets.remove(target)
         ended = list[Tracklet]()
-        for tracklet in [each for each in self.tracklets if target in each.links]:
-            link = tracklet.links.pop(target)
+        for tracklet in [each for each in self.tracklets if target in each.hypotheses]:
+            hypothesis = tracklet.hypotheses.pop(target)
             if not tracklet.is_certain:
-                self.bank.free(link.slot)
-            if not tracklet.links:
+                self.bank.free(hypothesis.slot)
+            if not tracklet.hypotheses:
                 self.tracklets.remove(tracklet)
                 ended.append(tracklet)
         self.bank.free(target.slot)

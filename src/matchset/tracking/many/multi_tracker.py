@@ -129,9 +129,9 @@ class MultiTracker(Copied):
                 place = each.tracklet.sighting.place
                 if math.hypot(place.x - point[0], place.y - point[1]) < place.half_width:
                     raise ValueError(f"at ({point[0]:.0f}, {point[1]:.0f}) is target {each.identity}, followed already")
-        if len(self._linking.targets) + len(self._observer.wishes) >= self.most:
+        if len(self._linking.targets) + len(self._observer.requests) >= self.most:
             raise ValueError(f"{self.most} targets are followed already: remove one, or allow for more by `most`")
-        self._observer.wish(label, what if not isinstance(what, tuple) else point)
+        self._observer.request(label, what if not isinstance(what, tuple) else point)
 
     def remove(self, identity: int) -> None:
         """Follow a target no longer; what finds all may find it again, as another one.
@@ -253,5 +253,5 @@ def _families(family: Families, colors: Mapping[str, ColorModel]) -> dict[str, t
 
 def _alternatives(each: Followed) -> tuple[int, ...]:
     """Which other targets a tracklet may be of."""
-    links = () if each.tracklet is None else each.tracklet.links
-    return tuple(sorted(other.identity for other in links if other is not each and other.identity is not None))
+    hypotheses = () if each.tracklet is None else each.tracklet.hypotheses
+    return tuple(sorted(other.identity for other in hypotheses if other is not each and other.identity is not None))

@@ -34,7 +34,7 @@ class Observed(NamedTuple):
     fresh: list[Sighting]
 
 
-class Wish:
+class Request:
     """What somebody said shall be followed: a point of it, px, or its outline, roughly; and since when, s."""
 
     def __init__(self, label: str, what: tuple[float, float] | Shape) -> None:
@@ -57,7 +57,7 @@ class Observer:
 
     Attributes
     ----------
-    wishes : list of Wish
+    requests : list of Request
         What shall be followed, and was not found yet.
     """
 
@@ -73,7 +73,7 @@ class Observer:
             label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
         }
         self._spare: dict[str, list[Tracker[Any]]] = {label: [self._made(label)] for label in colors}
-        self._finds, self.wishes = finds, list[Wish]()
+        self._finds, self.requests = finds, list[Request]()
         self._frames = self._turn = 0
         self._labels = list(colors)
         self._fields = 0.0, 0.0
@@ -95,7 +95,7 @@ class Observer:
             self._spare[tracklet.label].append(tracklet.tracker)
             tracklet.tracker = None
 
-    def wish(self, label: str, what: tuple[float, float] | Shape) -> None:
+    def request(self, label: str, what: tuple[float, float] | Shape) -> None:
         """Look for what is at a point, px, or for a shape, from the next frame on.
 
         Raises
@@ -106,7 +106,7 @@ class Observer:
         family = self._families[label]
         if not isinstance(what, tuple | family):
             raise ValueError(f"targets of the color {label!r} are of the family {family.__name__}, got {what!r:.60}")
-        self.wishes.append(Wish(label, what))
+        self.requests.append(Request(label, what))
 
     def observe(
         self,
@@ -122,7 +122,7 @@ class Observer:
         continued, ended = self._follow(frame, predicted, (tracklets, hidden), passed)
         known = list(continued.values())
         fresh = list[Sighting]()
-        for sighting in self._wished(frame, known):
+        for sighting in self._requested(frame, known):
             self._add(frame, fresh, sighting, known)
         for sighting in self._probe(frame, predicted, (hidden, known), passed):
             self._add(frame, fresh, sighting, known)
@@ -130,26 +130,26 @@ class Observer:
             self._add(frame, fresh, sighting, known)
         return Observed(continued, ended, fresh)
 
-    def _wished(self, frame: Frame, known: Sequence[Sighting]) -> list[Sighting]:
+    def _requested(self, frame: Frame, known: Sequence[Sighting]) -> list[Sighting]:
         """Look for what somebody said shall be followed; for half a second, and no more."""
         found, sigmas = list[Sighting](), self._limits.motion.center_sigmas
-        for wish in list(self.wishes):
-            wish.since = frame.time if wish.since is None else wish.since
-            if isinstance(wish.what, tuple):
-                x, y = wish.what
+        for request in list(self.requests):
+            request.since = frame.time if request.since is None else request.since
+            if isinstance(request.what, tuple):
+                x, y = request.what
                 places = [each.place for each in known]
-                tracks = self._searches[wish.label].near(frame, Gate(x, y, 0.0), places)
+                tracks = self._searches[request.label].near(frame, Gate(x, y, 0.0), places)
                 tracks = [track for track in tracks if _holds(place_of(track.shape), (x, y))]
             else:
-                tracker = self.tracker(wish.label)
-                tracker.start(wish.what)
+                tracker = self.tracker(request.label)
+                tracker.start(request.what)
                 answer = tracker.update(frame)
                 tracks = [answer] if isinstance(answer, Track) else []
                 tracker.restart()
-                self._spare[wish.label].append(tracker)
-            found += [sighting_of(track, sigmas, wish.label)._replace(wished=True) for track in tracks[:1]]
-            if tracks or frame.time - wish.since > self._limits.wished:
-                self.wishes.remove(wish)
+                self._spare[request.label].append(tracker)
+            found += [sighting_of(track, sigmas, request.label)._replace(requested=True) for track in tracks[:1]]
+            if tracks or frame.time - request.since > self._limits.requested:
+                self.requests.remove(request)
         return found
 
     def _share_fields(self, tracklets: Sequence[Tracklet]) -> None:
@@ -220,11 +220,11 @@ class Observer:
     ) -> bool:
         """Whether the outline is that of two targets that touch: far larger or smaller than expected."""
         owner = each.owner()
-        place, usual = seen[each].place, predicted.half_width(each.links[owner].slot)
+        place, usual = seen[each].place, predicted.half_width(each.hypotheses[owner].slot)
         if abs(math.log(place.half_width / usual)) < self._limits.merge.mixed_log_size:
             return False
         others = [sighting.place for other, sighting in seen.items() if other is not each]
-        others += [predicted.likeliest(target.slot)[0] for target in hidden if target not in each.links]
+        others += [predicted.likeliest(target.slot)[0] for target in hidden if target not in each.hypotheses]
         return any(place.distance(other) < place.half_width + other.half_width for other in others)
 
     def _same(self, frame: Frame, one: Sighting, other: Sighting) -> bool:

@@ -37,7 +37,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
         How many hidden targets are looked for in a frame, those first that were not for longest.
     restarts : int
         Frames in which a new tracklet's tracker begins where the filters expect it: its own velocity is not known yet.
-    wished : float
+    requested : float
         How long what `MultiTracker.add` named is looked for, s.
     unconfirmed : float
         How long what has no identity yet is remembered once it is not seen, s.
@@ -64,7 +64,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     crowded: float = 4.0
     probes: int = 4
     restarts: int = 3
-    wished: float = 0.5
+    requested: float = 0.5
     unconfirmed: float = 0.1
     min_visible: float = 0.3
     halted_period: int = 3

@@ -64,7 +64,7 @@ class Sighting(NamedTuple):
         Whether it was found where nothing was expected, with the evidence that this takes.
     tracker : Tracker or None
         Which has seen it; None for a search.
-    wished : bool
+    requested : bool
         Whether somebody said that it shall be followed: it is a new target.
     """
 
@@ -74,7 +74,7 @@ class Sighting(NamedTuple):
     label: str
     sure: bool = True
     tracker: Tracker[Any] | None = None
-    wished: bool = False
+    requested: bool = False
 
 
 def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> Sighting:

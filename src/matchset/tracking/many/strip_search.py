@@ -38,8 +38,9 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
         Lines across the outline of a candidate.
     candidates : int
         How many candidates of a strip are fitted in one frame: more finds faster in a crowd and takes longer.
-    min_half_width_px : float
-        Least half-width of a new shape: smaller ones are mostly noise.
+    min_half_width_px, smaller : float
+        Least half-width of a new shape: smaller ones are mostly noise. But what is smaller at the click from which the
+        color was learned may be smaller than that by this factor, and the cells of the grid are.
     min_score : float
         MSAC score below which the fit of a candidate is given up at once. The same as in the tracker's own search.
     range_cells, range_share : float
@@ -55,6 +56,7 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
     points: int = 64
     candidates: int = 4
     min_half_width_px: float = 6.0
+    smaller: float = 0.5
     min_score: float = 0.25
     range_cells: float = 2.0
     range_share: float = 0.2
@@ -96,6 +98,8 @@ class StripSearch:
         self._fitter: Fitter[Any] = tracking_fitter(family, self.parameters.points)
         self._searchers: dict[tuple[int, int], Searcher] = {}
         self._strip = 0
+        circle = color.circle
+        self._expected = math.inf if circle is None else self.parameters.smaller * circle[2]
         precompile_search(family, color.table.size, color.channels)
 
     def update(self, frame: Frame, known: Sequence[Gate]) -> list[Track[Any]]:
@@ -134,7 +138,7 @@ class StripSearch:
         self._fitter.take_rows(frame.rows)
         searcher = self._searchers.get((columns, rows))
         if searcher is None:
-            searcher = self._searchers[columns, rows] = Searcher(columns, rows, self.parameters.grid)
+            searcher = self._searchers[columns, rows] = Searcher(columns, rows, self.parameters.grid, self._expected)
         part = image[top : top + rows, left : left + columns]
         part = part if part.flags.c_contiguous else np.ascontiguousarray(part)
         found: list[Track[Any]] = []
@@ -170,11 +174,12 @@ class StripSearch:
         limits, fitter, place = self.parameters, self._fitter, start.place
         state = self.family.from_coarse(*place).state if start.state is None else start.state
         reach = max(limits.range_cells * searched.stride, limits.range_share * place.half_width)
+        least = min(limits.min_half_width_px, self._expected)
         at_rest = SearchWindow(reach, min_score=limits.min_score)
         moving = SearchWindow(reach, limits.speed, velocity_unknown=True)
         for window in (at_rest, moving):
             estimate = fitter.fit(image, self.color, state, window)
-            if estimate.is_fitted and estimate.fit.half_width >= limits.min_half_width_px:
+            if estimate.is_fitted and estimate.fit.half_width >= least:
                 if searched.expected:
                     estimate = fitter.weigh(estimate, image, self.color)
                 if not fitter.validate_detection(estimate, Prior.HERE if searched.expected else Prior.PRESENT):

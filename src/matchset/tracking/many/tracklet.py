@@ -1,4 +1,4 @@
-"""What is followed without a gap, and whose it may be: `Tracklet`, `Link`; and the target itself: `Followed`."""
+"""What is followed without a gap, and whose it may be: `Tracklet`, `Hypothesis`; and the target itself: `Followed`."""
 
 from typing import Any
 
@@ -56,7 +56,7 @@ class Followed:
         return shape_at(self.last, place)
 
 
-class Link:
+class Hypothesis:
     """That a tracklet is of a target.
 
     Attributes
@@ -85,10 +85,10 @@ class Tracklet:
     ----------
     tracker : Tracker or None
         None until the next frame.
-    links : dict of Followed to Link
+    hypotheses : dict of Followed to Hypothesis
         Whose it may be.
     is_certain : bool
-        Whether there is no doubt: then there is one link, whose filter is the target's.
+        Whether there is no doubt: then there is one hypothesis, whose filter is the target's.
     sighting : Sighting
         The last one.
     doubted : int
@@ -100,21 +100,21 @@ class Tracklet:
     def __init__(self, label: str, sighting: Sighting) -> None:
         self.label, self.sighting = label, sighting
         self.tracker = sighting.tracker
-        self.links: dict[Followed, Link] = {}
+        self.hypotheses: dict[Followed, Hypothesis] = {}
         self.is_certain = False
         self.doubted, self.restarts = 0, 0
 
     def owner(self) -> Followed:
         """Return the target whose it is most likely."""
         if self.is_certain:
-            return next(iter(self.links))
-        return max(self.links, key=lambda each: self.links[each].score)
+            return next(iter(self.hypotheses))
+        return max(self.hypotheses, key=lambda each: self.hypotheses[each].score)
 
     def start(self, predicted: Predicted, passed: float) -> None:
         """Let its tracker begin where the next frame, `passed` seconds later, should show it."""
-        owner = next((each for each in self.links if each.tracklet is self), None) or self.owner()
+        owner = next((each for each in self.hypotheses if each.tracklet is self), None) or self.owner()
         assert self.tracker is not None
-        start(self.tracker, self.sighting, predicted.likeliest(self.links[owner].slot), passed)
+        start(self.tracker, self.sighting, predicted.likeliest(self.hypotheses[owner].slot), passed)
 
 
 def start(tracker: Tracker[Any], last: Sighting, expected: tuple[Gate, tuple[float, float]], passed: float) -> None:

@@ -34,7 +34,7 @@ class MergeParameters(msgspec.Struct, frozen=True, kw_only=True):
     field_near, field_distance, field_log_size : float
         Distances between which, and sizes up to which, two may be the fields of an interlaced picture ...
     field_parity : float
-        ... if, where they do not overlap, the share of pixels of the target's color differs by more between rows.
+        ... if, where they do not overlap, the target's color prevails in the rows of one field by more, as a share.
     """
 
     distance: float = 0.3
@@ -127,7 +127,8 @@ def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limit
         even, odd = (colored[alone & ((rows + top) % 2 == parity)] for parity in (0, 1))
         if not (even.size and odd.size):
             return False
-        shares.append(float(even.mean() - odd.mean()))
+        shown, hidden = float(even.mean()), float(odd.mean())
+        shares.append((shown - hidden) / max(shown + hidden, LEAST))
     return shares[0] * shares[1] < 0.0 and min(map(abs, shares)) > limits.field_parity
 
 

@@ -54,7 +54,7 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
     """
 
     points: int = 64
-    candidates: int = 4
+    candidates: int = 6
     min_half_width_px: float = 6.0
     smaller: float = 0.5
     min_score: float = 0.25
@@ -180,8 +180,9 @@ class StripSearch:
         for window in (at_rest, moving):
             estimate = fitter.fit(image, self.color, state, window)
             if estimate.is_fitted and estimate.fit.half_width >= least:
-                if searched.expected:
-                    estimate = fitter.weigh(estimate, image, self.color)
+                if not searched.expected and not fitter.validate_detection(estimate, Prior.PRESENT):
+                    return estimate
+                estimate = fitter.weigh(estimate, image, self.color)
                 if not fitter.validate_detection(estimate, Prior.HERE if searched.expected else Prior.PRESENT):
                     return estimate
                 state = estimate.state

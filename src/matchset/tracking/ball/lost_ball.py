@@ -18,6 +18,7 @@ import numpy.typing as npt
 from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
+from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.polar_patch import colors_of
 from matchset.numeric.jit import collection_paused
@@ -46,6 +47,7 @@ def precompile_ball() -> None:
     known = colors_of(image, circle)
     DiscNetwork.packaged().lead(image, [circle], NetworkFollowParameters(), known)
     find_soft_region(image, circle, SoftRegionParameters())
+    lab_of(image)  # OpenCV makes its tables at the first call, in 70 ms
     DiscSearch(DiscSearchParameters()).about(image, np.array((100.0, 0.0, 0.0)), Gate(*circle), float(SMALL))
 
 

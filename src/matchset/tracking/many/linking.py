@@ -108,8 +108,11 @@ class Linking:
                 tracklet.hypotheses[each] = Hypothesis(self.bank.copied(each.slot), score)
                 tracklet.doubted = 0
 
-    def go_on(self, seen: dict[Tracklet, Sighting], time: float) -> None:
-        """Correct the filters of all hypotheses of tracklets by their new sightings, and weigh those in doubt."""
+    def go_on(self, seen: dict[Tracklet, Sighting], time: float, calm: bool) -> None:
+        """Correct the filters of all hypotheses of tracklets by their new sightings, and weigh those in doubt.
+
+        In a `calm` frame, if all targets are seen for certain, the sightings are noted only.
+        """
         slots, sightings = list[int](), list[Sighting]()
         doubted = any(not tracklet.is_certain for tracklet in seen)
         predicted = Predicted(self.bank, time) if doubted else None
@@ -122,7 +125,7 @@ class Linking:
                 slots.append(hypothesis.slot)
                 sightings.append(sighting)
             tracklet.doubted += not tracklet.is_certain
-        if doubted or len(seen) < len(self.targets):
+        if not calm or doubted or len(seen) < len(self.targets):
             self.bank.correct(slots, sightings, time)
         else:
             self.bank.note(slots, sightings, time)

@@ -50,8 +50,6 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         How far one at rest moves meanwhile, half-widths per root of s.
     size_sigma, size_rate : float
         Standard deviation of ln(half-width) of a sighting, and of its change, 1/s.
-    calm_period : int
-        Of so many frames in which all targets are seen for certain, the filters are corrected by one.
     size_gain : float
         Share of a new ln(half-width) that is taken over.
     """
@@ -69,7 +67,6 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     drift: float = 3.0
     size_sigma: float = 0.06
     size_rate: float = 0.5
-    calm_period: int = 3
     size_gain: float = 0.3
 
     @property
@@ -187,7 +184,7 @@ class MotionBank:
         self._scores = np.zeros((slots, 2))
         self._size, self._sightings, self._time = np.zeros(slots), np.zeros(slots), np.zeros(slots)
         self._free = list(range(slots))  # a heap: the first slots are used, and only these are predicted
-        self._used = self._notes = 0
+        self._used = 0
         self._noted: tuple[Sequence[int], Sequence[Sighting], float] | None = None
 
     def begin(self, place: Gate, time: float) -> int:
@@ -252,14 +249,12 @@ class MotionBank:
         )
 
     def note(self, slots: Sequence[int], sightings: Sequence[Sighting], time: float) -> None:
-        """Correct slots by sightings, as `correct`, of which some may be left out as long as nothing is predicted."""
-        self._noted, self._notes = (slots, sightings, time), self._notes + 1
-        if self._notes >= self.limits.calm_period:
-            self._catch_up()
+        """Correct slots by sightings, as `correct`, once it is asked for what they tell; of several the last count."""
+        self._noted = slots, sightings, time
 
     def _catch_up(self) -> None:
         """Correct by the sightings noted last."""
-        noted, self._noted, self._notes = self._noted, None, 0
+        noted, self._noted = self._noted, None
         if noted is not None:
             self.correct(*noted)
 

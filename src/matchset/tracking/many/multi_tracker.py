@@ -172,7 +172,7 @@ class MultiTracker(Copied):
         seen = observer.observe(frame, predicted, linking.tracklets, linking.hidden(), self._passed)
         lost = linking.end(seen.ended, frame.time)
         linking.doubt(lost, seen.continued, predicted)
-        linking.go_on(seen.continued, frame.time)
+        linking.go_on(seen.continued, frame.time, self._frames % self.parameters.period != 0)
         linking.begin(seen.fresh, predicted, frame.time)
         dropped = linking.decide(frame.time)
         for tracklet in (*seen.ended, *dropped):

@@ -307,7 +307,7 @@ class Observer:
         places, sigmas = [each.place for each in known], self._limits.motion.center_sigmas
         found = list[Sighting]()
         if self._finds and (
-            hidden or self._frames % self._limits.search_period == 0 or self._frames < STRIPS * len(self._colors)
+            hidden or self._frames % self._limits.period == 0 or self._frames < STRIPS * len(self._colors)
         ):
             label = self._labels[self._turn]
             self._turn = (self._turn + 1) % len(self._labels)

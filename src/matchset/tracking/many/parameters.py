@@ -7,10 +7,11 @@ from matchset.tracking.many.linking import LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters
 from matchset.tracking.many.sightings import MergeParameters
 from matchset.tracking.many.strip_search import StripSearchParameters
+from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import SearchParameters
 
-ONE_OF_SEVERAL = TrackerParameters(search=SearchParameters(whole_frame=False), network=NetworkParameters(looks=4))
+ONE_OF_SEVERAL = TrackerParameters(search=SearchParameters(whole_frame=False), network=NetworkParameters(looks=4), hypotheses=HypothesisParameters(directions=4))
 
 
 class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -27,8 +28,9 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     expected : float
         How long a target that is not seen is tracked from where its motion would have it, s; later only searches can
         find it.
-    search_period : int
-        Of so many frames in which all targets are seen, a strip is searched for new ones in one.
+    period : int
+        Of so many frames in which all targets are seen, in one a strip is searched for new ones and the filters are
+        corrected: less finds new ones sooner, more costs less.
     fields_period : int
         Of so many frames, in one a tracker is asked what it knows of the fields of interlaced pictures.
     crowded : float
@@ -59,7 +61,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     memory: float = 2.0
     confirm: int = 2
     expected: float = 0.6
-    search_period: int = 3
+    period: int = 3
     fields_period: int = 8
     crowded: float = 4.0
     probes: int = 4

@@ -41,6 +41,8 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
         circles always are. More frequent costs time.
     larger, smaller : float
         Changes of size that are tried, in half-widths.
+    directions : int
+        In how many directions outlines that keep the other side are tried, of each of these sizes.
     side_inward, side_outward : tuple of pairs
         By how far both ends of a side are moved, in half-widths. See docs/decisions/073-sides-that-move-alone.md.
     sides : int
@@ -80,6 +82,7 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
     period: int = 3
     larger: float = 0.15
     smaller: float = -0.13
+    directions: int = 8
     side_inward: Ends = ((-0.2, -0.2), (-0.2, 0.0), (0.0, -0.2), (-0.4, -0.4))
     side_outward: Ends = ((0.2, 0.2), (0.2, 0.0), (0.0, 0.2), (0.4, 0.4))
     sides: int = 2
@@ -117,7 +120,7 @@ class Hypotheses:
         self.fitter, self.limits = fitter, limits
 
     def around(self, estimate: Estimate, image: Image, color: ColorModel) -> Iterator[Floats]:
-        """States around the last fit, each to be fitted: larger and smaller on eight sides, or a side moved alone."""
+        """States around the last fit, each to be fitted: larger and smaller on several sides, or a side moved alone."""
         sides = self._sides()
         if sides:
             yield from self._moved_sides(estimate, sides, self._target_outside(estimate, image, color))
@@ -125,9 +128,9 @@ class Hypotheses:
         x, y = float(estimate.state[0]), float(estimate.state[1])
         size = estimate.fit.half_width
         for change in (self.limits.larger, self.limits.smaller):
-            for side in range(8):
+            for side in range(self.limits.directions):
                 away = change * size
-                turn = 0.25 * math.pi * side
+                turn = 2.0 * math.pi * side / self.limits.directions
                 place = x + away * math.cos(turn), y + away * math.sin(turn)
                 yield self.fitter.family.from_coarse(*place, size + away, estimate.state).state
 

@@ -18,7 +18,8 @@ FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes fo
 class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How tracklets are linked with targets.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    show a change.
 
     Parameters
     ----------

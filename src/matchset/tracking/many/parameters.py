@@ -11,13 +11,18 @@ from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import SearchParameters
 
-ONE_OF_SEVERAL = TrackerParameters(search=SearchParameters(whole_frame=False), network=NetworkParameters(looks=4), hypotheses=HypothesisParameters(directions=4))
+ONE_OF_SEVERAL = TrackerParameters(
+    search=SearchParameters(whole_frame=False),
+    network=NetworkParameters(looks=4),
+    hypotheses=HypothesisParameters(directions=4),
+)
 
 
 class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How several targets are followed.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    show a change.
 
     Parameters
     ----------

@@ -31,6 +31,8 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
         Distance from where a target was expected that was lost, in half-widths, up to which a tracklet may be of it.
     clear : float
         Log-odds of the best joint explanation against the best other one from which there is no doubt.
+    stays : float
+        Log-odds of what was taken in the frame before: more changes names less often while they are in doubt.
     decide : int
         Sightings of a tracklet after which the likeliest explanation is taken in any case.
     new_log : float
@@ -45,6 +47,7 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     gate: float = 25.0
     touching: float = 0.9
     clear: float = 5.0
+    stays: float = 2.0
     decide: int = 12
     new_log: float = 8.0
     new_px: float = 60.0
@@ -208,7 +211,8 @@ class Linking:
         for row, tracklet in enumerate(open_ones):
             for column, each in enumerate(columns):
                 if each in tracklet.hypotheses:
-                    table[row, column] = -tracklet.hypotheses[each].score
+                    stays = self.limits.stays if each.tracklet is tracklet else 0.0
+                    table[row, column] = -tracklet.hypotheses[each].score - stays
         rows, taken = linear_sum_assignment(table)
         chosen: list[int | None] = [None] * len(open_ones)
         for row, column in zip(rows.tolist(), taken.tolist(), strict=True):

@@ -97,7 +97,7 @@ def follow_fed(
 def _follow_pictures(field: Field, key: str, case: Case) -> tuple[Watched, list[list[Answer]], list[float]]:
     """Let one of matchset's follow the pictures; nothing is detected in them beside that."""
     crowd = case.crowd()
-    follower = field.own(key, crowd, color_of(crowd))
+    follower = field.own(color_of(crowd))
     known, answers, seconds = Watched([], [], []), [], []
     for frame, seen in crowd:
         answers.append(follower.update(frame))

@@ -39,8 +39,8 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
         Log-likelihood of a new target: that of one in a square of `new_px` px, less this.
     new_px : float
         See there.
-    unsure : float
-        How much less likely a new target is that only a search for a hidden one has found.
+    chance : float
+        Log-likelihood up to which what only a search for a hidden target has found is taken for chance.
     """
 
     least: float = -30.0
@@ -51,7 +51,7 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     decide: int = 12
     new_log: float = 8.0
     new_px: float = 60.0
-    unsure: float = 5.0
+    chance: float = -12.0
 
 
 class Linking:
@@ -143,13 +143,13 @@ class Linking:
                 if each.tracklet is not None and each.tracklet.is_certain:
                     continue
                 explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
-                if explained.squared < self.limits.gate:
+                likely = sighting.sure or explained.log > self.limits.chance
+                if explained.squared < self.limits.gate and likely:
                     slot = self._slot_after(each, sighting, explained.halted, time)
                     tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
-            if len(self.targets) + len(begun) < self.most:
+            if sighting.sure and len(self.targets) + len(begun) < self.most:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
-                score -= 0.0 if sighting.sure else self.limits.unsure
                 tracklet.hypotheses[new] = Hypothesis(new.slot, score)
             if tracklet.hypotheses:
                 tracklet.doubted = 1

@@ -42,8 +42,8 @@ class Scene:
         """Follow two that move toward each other at 6 px a frame, until they are 40 px apart."""
         self.frame({}, [self._left(0), self._right(0, frames)])
         for k in range(1, frames):
-            one, other = self.linking.tracklets
-            self.frame({one: self._left(k), other: self._right(k, frames)}, [])
+            left, right = self.linking.tracklets
+            self.frame({left: self._left(k), right: self._right(k, frames)}, [])
         one, other = self.linking.targets
         return one, other
 

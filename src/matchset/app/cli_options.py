@@ -31,6 +31,14 @@ Pick = Annotated[
         metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME; of a file it is followed both ways."
     ),
 ]
+Picks = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--pick",
+        metavar="X,Y[@FRAME]",
+        help="A pixel on the ball, in frame 0 or FRAME; of a file it is followed both ways. Several: a target each.",
+    ),
+]
 ReadingNumber = Annotated[
     int, typer.Option("--reading", metavar="N", min=1, help="What the --pick means: the N-th likeliest thing there.")
 ]
@@ -40,6 +48,14 @@ Candidate = Annotated[
 Color = Annotated[
     list[Path] | None,
     typer.Option(metavar="FILE", help="A color of the ball that 'learn' saved; several are joined."),
+]
+NamedColor = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--color",
+        metavar="[NAME=]FILE",
+        help="A color of the ball that 'learn' saved; several are joined, unless named.",
+    ),
 ]
 Hsv = Annotated[
     list[str] | None,
@@ -268,9 +284,17 @@ class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class GrayTargetOptions(TargetOptions, frozen=True, kw_only=True):
-    """The same with `--gray`."""
+    """The same with `--gray`, and with more than one `--pick`; of one alone `pick` is set by `single`."""
 
+    pick: str | None = None
+    picks: Picks = None
+    color: NamedColor = None
     gray: Gray = None
+
+    @property
+    def single(self) -> "GrayTargetOptions":
+        """The same with the first click alone."""
+        return msgspec.structs.replace(self, pick=self.picks[0], picks=None) if self.picks else self
 
 
 Options = TypeVar("Options")

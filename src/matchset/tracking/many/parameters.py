@@ -11,7 +11,11 @@ from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import SearchParameters
 
-ONE_OF_SEVERAL = TrackerParameters(search=SearchParameters(whole_frame=False), network=NetworkParameters(looks=4), hypotheses=HypothesisParameters(directions=4))
+ONE_OF_SEVERAL = TrackerParameters(
+    search=SearchParameters(whole_frame=False),
+    network=NetworkParameters(looks=4),
+    hypotheses=HypothesisParameters(directions=4),
+)
 
 
 class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):

@@ -1,5 +1,6 @@
 """What several targets look like and where they were clicked, from the options: `chosen_targets`."""
 
+import math
 import shlex
 import sys
 
@@ -38,11 +39,14 @@ class PickedTarget(msgspec.Struct, frozen=True):
         Where it was clicked.
     label : str
         Of its color.
+    radius : float
+        What it was taken for, px; 0 if that is not known.
     """
 
     point: tuple[float, float]
     frame: int
     label: str
+    radius: float = 0.0
 
 
 class ChosenTargets(msgspec.Struct, frozen=True):
@@ -99,7 +103,8 @@ def chosen_targets(video: Video, options: TypedOptions, ball: bool) -> ChosenTar
         taken += frames
         label = _labelled(colors, learned)
         if learned.start is not None:
-            picks.append(PickedTarget(learned.start, learned.frame, label))
+            radius = (learned.color.circle or (0.0, 0.0, 0.0))[2]
+            picks.append(_apart(picks, PickedTarget(learned.start, learned.frame, label, radius)))
     finds = options.several.every or not picks
     # What looks like one that is hidden for a while is no target of a click: there is no room for others.
     return ChosenTargets(colors, tuple(picks), finds, most if finds else len(picks), tuple(taken))
@@ -109,6 +114,16 @@ def _singles(target: GrayTargetOptions) -> list[GrayTargetOptions]:
     """Return the options for each click, or the only ones."""
     texts: list[str] | list[None] = target.picks or [None]
     return [msgspec.structs.replace(target, pick=text, picks=None) for text in texts]
+
+
+def _apart(picks: list[PickedTarget], pick: PickedTarget) -> PickedTarget:
+    """Return a click, if it is not on the target of an earlier one."""
+    for other in picks:
+        near = math.dist(pick.point, other.point) < max(pick.radius, other.radius)
+        if near and (pick.frame, pick.label) == (other.frame, other.label):
+            places = " and at ".join(f"({each.point[0]:.0f}, {each.point[1]:.0f})" for each in (other, pick))
+            raise ValueError(f"two clicks are on one target: at {places}")
+    return pick
 
 
 def _labelled(colors: dict[str, ColorModel], learned: LearnedTarget) -> str:

@@ -40,7 +40,7 @@ class FollowedFrame(msgspec.Struct, frozen=True):
     seconds: float = 0.0
 
 
-class Follower:
+class TargetsFollower:
     """Puts frames through a tracker of several targets, with the clicks in their frames.
 
     Parameters
@@ -72,14 +72,14 @@ class Follower:
 
 
 def follow_several(
-    frames: Iterable[Frame], follower: Follower, gaps: bool, stop: StopRequest, whole: bool = True
+    frames: Iterable[Frame], follower: TargetsFollower, gaps: bool, stop: StopRequest, whole: bool = True
 ) -> Iterator[FollowedFrame]:
     """Track a video frame by frame, see `matchset.app.track.loop.follow`.
 
     Parameters
     ----------
     frames : iterable of Frame
-    follower : Follower
+    follower : TargetsFollower
     gaps : bool
         Whether a gap in the frames' indices is a frame that could not be decoded.
     stop : StopRequest

@@ -31,7 +31,8 @@ PALETTE: tuple[Color, ...] = (
     (0, 94, 213),
     (178, 114, 0),
 )
-_DARK, _BAR = (20, 20, 20), (200, 200, 200)  # geometry: colors, BGR: around outlines and letters; of the strip's bar
+# geometry: colors, BGR: around outlines and of letters; of the strip's bar
+_DARK, _WHITE, _BAR = (20, 20, 20), (255, 255, 255), (200, 200, 200)
 _PER_PX, _LEAST_PX, _MOST_PX = 30, 12, 28  # geometry: height of a picture in sizes of the text, and its limits, px
 _SMALL_PX = 13  # geometry: size of the text in the summary's small pictures, px
 
@@ -138,11 +139,20 @@ def draw_targets(
             draw_shape(image, shape, _DARK, scale=scale, thickness=width + 2)
         draw_shape(image, shape, color_of(each.identity), dashed=not seen, scale=scale, thickness=width if seen else 1)
         words = f"{each.identity} {each.label}" if labels else str(each.identity)
-        _name(image, words, (np.array(box_of(shape)) + 0.5) * scale - 0.5, letters, color_of(each.identity))
+        box = (np.array(box_of(shape)) + 0.5) * scale - 0.5
+        _name(image, words, box, letters, _sign(color_of(each.identity), seen))
 
 
-def _name(image: Picture, words: str, box: npt.NDArray[np.float64], letters: int, color: Color) -> None:
-    """Write a name at the upper right of a box, on dark ground, inside of the picture."""
+def _sign(color: Color, seen: bool) -> tuple[Color, Color]:
+    """Return the colors of the letters and of the ground of a name; of what is not seen the ground is dark."""
+    if not seen:
+        return color, _DARK
+    bright = 0.114 * color[0] + 0.587 * color[1] + 0.299 * color[2] > 105.0
+    return (_DARK if bright else _WHITE), color
+
+
+def _name(image: Picture, words: str, box: npt.NDArray[np.float64], letters: int, colors: tuple[Color, Color]) -> None:
+    """Write a name at the upper right of a box, on its own ground, inside of the picture."""
     height, width = image.shape[:2]
     wide, high = text_width(words, letters) + letters // 2, round(1.3 * letters)
     left, top, right, bottom = box.tolist()
@@ -151,5 +161,5 @@ def _name(image: Picture, words: str, box: npt.NDArray[np.float64], letters: int
     at_x = round(min(max(right - 0.15 * (right - left), 0), width - wide))
     at_y = round(min(max(top + 0.15 * (bottom - top) - high, 0), height - high))
     ground = image[max(at_y, 0) : at_y + high, max(at_x, 0) : at_x + wide]
-    ground //= 4
-    draw_text(image, words, (at_x + letters // 4, at_y + 0.5 * high), letters, color)
+    ground[:] = colors[1]
+    draw_text(image, words, (at_x + letters // 4, at_y + 0.5 * high), letters, colors[0])

@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
 
 import msgspec
 import typer
@@ -283,18 +283,23 @@ class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     ball: bool = True  # no option: whether the shape that is followed is one
 
 
-class GrayTargetOptions(TargetOptions, frozen=True, kw_only=True):
-    """The same with `--gray`, and with more than one `--pick`; of one alone `pick` is set by `single`."""
+class SeveralTargetOptions(TargetOptions, frozen=True, kw_only=True):
+    """The same with more than one `--pick`; of one alone `pick` is set by `single`."""
 
     pick: str | None = None
     picks: Picks = None
     color: NamedColor = None
-    gray: Gray = None
 
     @property
-    def single(self) -> "GrayTargetOptions":
+    def single(self) -> Self:
         """The same with the first click alone."""
         return msgspec.structs.replace(self, pick=self.picks[0], picks=None) if self.picks else self
+
+
+class GrayTargetOptions(SeveralTargetOptions, frozen=True, kw_only=True):
+    """The same with `--gray`."""
+
+    gray: Gray = None
 
 
 Options = TypeVar("Options")

@@ -13,7 +13,7 @@ import pytest
 import matchset as ms
 from blue_ball import Matchset
 from matchset.app.several.chosen import PARAMETERS, shared_part
-from matchset.app.several.painter import PALETTE, color_of, draw_targets
+from matchset.app.several.painter import PALETTE, color_of, draw_targets, target_words
 from matchset.app.track.loop import UNDECODED
 from matchset.app.track.rows import read_tracks
 from several_balls import FRAMES, RADIUS, SIZE, picture, places, write_pictures
@@ -248,15 +248,16 @@ def test_each_identity_has_a_color_and_what_is_not_seen_is_dashed() -> None:
     drawn = []
     for answer in (seen, ms.Lost("hidden", 0.0, circle)):
         image = np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
-        draw_targets(image, [target(2, answer)])
+        draw_targets(image, [target(2, answer)], target_words(False))
         drawn.append(int((np.abs(image.astype(int) - color_of(2)).max(axis=2) < 40).sum()))
     assert drawn[0] > 2 * drawn[1] > 100
     assert len({color_of(each) for each in range(len(PALETTE))}) == len(PALETTE)
     assert color_of(len(PALETTE)) == color_of(0)
     image = np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
-    draw_targets(image, [target(2, ms.Lost("gone", 0.0)), target(3, ms.Lost("far", 0.0, ms.Circle(-900.0, 9.0, 5.0)))])
+    far = ms.Lost("far", 0.0, ms.Circle(-900.0, 9.0, 5.0))
+    draw_targets(image, [target(2, ms.Lost("gone", 0.0)), target(3, far)], target_words(False))
     assert (image == 90).all()
-    draw_targets(image, [target(3, ms.Lost("left", 0.0, ms.Circle(2.0, 2.0, 30.0)))], labels=True)
+    draw_targets(image, [target(3, ms.Lost("left", 0.0, ms.Circle(2.0, 2.0, 30.0)))], target_words(True))
     assert not (image == 90).all()
 
 

@@ -7,7 +7,7 @@ import sys
 import msgspec
 import numpy as np
 
-from matchset.app.cli_options import GrayTargetOptions, source_words
+from matchset.app.cli_options import SeveralTargetOptions, source_words
 from matchset.app.several.options import MOST, TypedOptions, named_color
 from matchset.app.target.target_options import LearnedTarget, check_target_options, parse_pick, target_for
 from matchset.image.color import ColorModel
@@ -72,9 +72,9 @@ class ChosenTargets(msgspec.Struct, frozen=True):
     taken: tuple[Frame, ...] = ()
 
 
-def check_targets(options: TypedOptions, source: str, topic: str | None, view: object) -> None:
+def check_targets(options: TypedOptions) -> None:
     """Check what was typed of the targets, before the video is opened (ValueError)."""
-    words = shlex.join(source_words(source, topic, view))  # type: ignore[arg-type]
+    words = shlex.join(source_words(options.source, options.topic, options.view))
     check_target_options(options.target.single, words)
     for text in options.target.picks or ():
         parse_pick(text)
@@ -110,7 +110,7 @@ def chosen_targets(video: Video, options: TypedOptions, ball: bool) -> ChosenTar
     return ChosenTargets(colors, tuple(picks), finds, most if finds else len(picks), tuple(taken))
 
 
-def _singles(target: GrayTargetOptions) -> list[GrayTargetOptions]:
+def _singles(target: SeveralTargetOptions) -> list[SeveralTargetOptions]:
     """Return the options for each click, or the only ones."""
     texts: list[str] | list[None] = target.picks or [None]
     return [msgspec.structs.replace(target, pick=text, picks=None) for text in texts]

@@ -7,7 +7,7 @@ from typing import Any, TextIO
 import msgspec
 
 from matchset.app.exit_codes import print_warnings
-from matchset.app.several.target_rows import TargetsRow
+from matchset.app.several.painter import DrawnTargets
 from matchset.app.track.loop import RunStatistics, computing_lines
 from matchset.media.video import Video
 
@@ -34,7 +34,7 @@ class TargetCounts(RunStatistics):
     def count(self, counted: Any) -> None:
         """Count a frame."""
         super().count(counted)
-        row: TargetsRow = counted.row
+        row: DrawnTargets = counted.row
         for each in row.targets:
             count = self._targets.setdefault(each.identity, _Count(each.label, row.time))
             count.frames += 1
@@ -53,12 +53,14 @@ class TargetCounts(RunStatistics):
         return lines
 
 
-def print_counts(video: Video, counts: TargetCounts, files: Iterable[Path], out: TextIO) -> None:
+def print_counts(
+    video: Video, counts: TargetCounts, files: Iterable[Path], out: TextIO, words: str = "tracking"
+) -> None:
     """Print what a run did, see `matchset.app.track.loop.print_summary`."""
     print_warnings(video.warnings)
     if not counts.frames:
         return
-    for line in (*counts.lines(), *computing_lines(counts.durations, "tracking")):
+    for line in (*counts.lines(), *computing_lines(counts.durations, words)):
         print(line, file=out)
     for path in files:
         print(f"  {path}", file=out)

@@ -3,7 +3,7 @@
 import contextlib
 import time
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, Protocol
 
 import msgspec
 
@@ -40,6 +40,14 @@ class FollowedFrame(msgspec.Struct, frozen=True):
     seconds: float = 0.0
 
 
+class FrameTargets(Protocol):
+    """What follows targets from frame to frame."""
+
+    def update(self, frame: Frame) -> Targets:
+        """Track all targets in a frame."""
+        ...
+
+
 class TargetsFollower:
     """Puts frames through a tracker of several targets, with the clicks in their frames.
 
@@ -72,14 +80,14 @@ class TargetsFollower:
 
 
 def follow_several(
-    frames: Iterable[Frame], follower: TargetsFollower, gaps: bool, stop: StopRequest, whole: bool = True
+    frames: Iterable[Frame], follower: FrameTargets, gaps: bool, stop: StopRequest, whole: bool = True
 ) -> Iterator[FollowedFrame]:
     """Track a video frame by frame, see `matchset.app.track.loop.follow`.
 
     Parameters
     ----------
     frames : iterable of Frame
-    follower : TargetsFollower
+    follower : FrameTargets
     gaps : bool
         Whether a gap in the frames' indices is a frame that could not be decoded.
     stop : StopRequest

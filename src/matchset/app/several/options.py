@@ -8,7 +8,7 @@ from typing import Annotated, Protocol
 import msgspec
 import typer
 
-from matchset.app.cli_options import GrayTargetOptions
+from matchset.app.cli_options import SeveralTargetOptions, ViewOptions
 
 MOST = 20  # format: targets at once without --most
 _NAMED = re.compile(r"([\w .-]{1,40})=(.+)")
@@ -23,6 +23,11 @@ class SeveralOptions(msgspec.Struct, frozen=True, kw_only=True):
     most: Annotated[
         int | None, typer.Option("--most", metavar="N", help="Follow so many at once, 1 to 100; 20 without it.")
     ] = None
+
+
+class MotOptions(SeveralOptions, frozen=True, kw_only=True):
+    """The same with `--mot`."""
+
     mot: Annotated[
         Path | None, typer.Option("--mot", metavar="FILE", help="Write what is found as MOTChallenge text, too.")
     ] = None
@@ -32,13 +37,28 @@ class TypedOptions(Protocol):
     """What is needed of the options of a command."""
 
     @property
-    def target(self) -> GrayTargetOptions:
+    def target(self) -> SeveralTargetOptions:
         """What to track."""
         ...
 
     @property
     def several(self) -> SeveralOptions:
         """Of several targets."""
+        ...
+
+    @property
+    def source(self) -> str:
+        """What is read."""
+        ...
+
+    @property
+    def topic(self) -> str | None:
+        """Of a bag."""
+        ...
+
+    @property
+    def view(self) -> ViewOptions:
+        """How its pictures are used."""
         ...
 
     @property

@@ -13,7 +13,7 @@ from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_tar
 from matchset.app.several.counts import TargetCounts, print_counts
 from matchset.app.several.follow import FollowedFrame, TargetsFollower, follow_several
 from matchset.app.several.mot_file import noted
-from matchset.app.several.painter import TargetsPainter, TargetsSummary
+from matchset.app.several.painter import TargetsPainter, TargetsSummary, target_words
 from matchset.app.several.target_rows import TargetTable
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.track.loop import exit_code
@@ -34,7 +34,7 @@ def run_several(options: TrackOptions) -> int:
     int
         The exit code.
     """
-    check_targets(options, options.source, options.topic, options.view)
+    check_targets(options)
     family = parse_shape(options.shape)
     silence, view = options.silence, options.view
     with StopRequest() as stop, silence.open(options.source, options.fps, options.topic, view) as video:
@@ -67,11 +67,11 @@ def _outputs(
     jsonl = folder / "tracks.jsonl" if options.jsonl else None
     table, latency = TargetTable(folder / "tracks.csv", family.parameters, jsonl), latency_table(folder)
     labels = tuple(chosen.colors)
-    painter = TargetsPainter((video.width, video.height), labels)
+    painter = TargetsPainter((video.width, video.height), target_words(len(labels) > 1))
     pictures = RunPictures[FollowedFrame](
         WantedPictures.of(options, "track", folder, video),
         painter.size,
         lambda frame, followed: painter.paint(frame, followed.answer, followed.row),
-        summary=TargetsSummary(labels),
+        summary=TargetsSummary(target_words(len(labels) > 1)),
     )
     return Outputs(table, pictures, latency)

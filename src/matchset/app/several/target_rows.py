@@ -55,7 +55,12 @@ class TargetsRow(FrameRow, frozen=True):
     @property
     def brief(self) -> str:
         """How many are seen, for the status line."""
-        return f"{sum(each.found for each in self.targets)} of {len(self.targets)} targets" if self.targets else ""
+        return counted_words(self.targets)
+
+
+def counted_words(rows: Sequence[Any]) -> str:
+    """Say how many of several rows have an answer; empty without rows."""
+    return f"{sum(each.found for each in rows)} of {len(rows)} targets" if rows else ""
 
 
 def targets_row(frame: int, time: float, targets: Sequence[Target[Any]]) -> TargetsRow:

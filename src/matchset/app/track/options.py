@@ -23,7 +23,7 @@ from matchset.app.cli_options import (
     ToStdout,
     ViewOptions,
 )
-from matchset.app.several.options import SeveralOptions
+from matchset.app.several.options import MotOptions
 
 
 class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -33,7 +33,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     topic: Topic = None
     view: ViewOptions = ViewOptions()
     target: GrayTargetOptions = GrayTargetOptions()
-    several: SeveralOptions = SeveralOptions()
+    several: MotOptions = MotOptions()
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
     shown: ShownOptions = ShownOptions()

@@ -174,16 +174,28 @@ def read_tracks(path: str | Path, identity: int | None = None) -> list[TrackRow]
         If the file cannot be read or a row is wrong; the message holds the file and the line.
     """
     lines = read_csv(path, required=("frame", "found", "x", "y", "radius"))
+    return by_frame(lines_of(path, lines, identity), _row_of)
+
+
+def lines_of(path: str | Path, lines: list[CsvLine], identity: int | None = None) -> list[CsvLine]:
+    """Return the lines of one target.
+
+    Raises
+    ------
+    ValueError
+        If there are several and none is named, or that one is not there.
+    """
     if not any("identity" in line.cells for line in lines):
         if identity is not None:
             raise ValueError(f"{path} holds one target, without an identity, got identity {identity}")
-        return by_frame(lines, _row_of)
+        return lines
     there = sorted({line.index("identity") for line in lines})
+    words = ", ".join(map(str, there))
     if identity is None and len(there) > 1:
-        raise ValueError(f"{path} holds several targets ({', '.join(map(str, there))}): say which by its identity")
+        raise ValueError(f"{path} holds several targets ({words}): say which by its identity")
     if identity is not None and identity not in there:
-        raise ValueError(f"{path} holds no target {identity}; it has {', '.join(map(str, there))}")
-    return by_frame([line for line in lines if identity in (None, line.index("identity"))], _row_of)
+        raise ValueError(f"{path} holds no target {identity}; it has {words}")
+    return [line for line in lines if identity in (None, line.index("identity"))]
 
 
 def _row_of(line: CsvLine) -> TrackRow:

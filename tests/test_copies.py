@@ -143,6 +143,7 @@ LIVES: dict[str, Life] = {
         lambda: ms.Localizer(CAMERA, TARGET), lambda localizer, k: localizer.update(balls()[k][1], marks()[k])
     ),
     "PoseFilter": Life(ms.PoseFilter, filtered),
+    "MultiTracker": Life(lambda: ms.MultiTracker(ms.Circle, BLUE), lambda tracker, k: tracker.update(balls()[k][0])),
     "Neighbors": Life(lambda: ms.Neighbors(CAMERA, TARGET, BLUE | PURPLE, PURPLE), tracked()),
     "EgoMotion": Life(EgoMotion, flown),
     "NeighborFilter": Life(NeighborFilter, neighbored),
@@ -167,6 +168,7 @@ def values() -> dict[str, Any]:
         "Pose": pose,
         "Quadrilateral": ms.Quadrilateral([(0.0, 0.0), (9.0, 1.0), (8.0, 7.0), (1.0, 6.0)]),
         "Rectangle": ms.Rectangle(10.0, 20.0, 8.0, 5.0, 0.2),
+        "Target": ms.Target(3, "blue", ball, 0.5),
         "Track": ball,
         "TrackerParameters": ms.TrackerParameters(),
     }

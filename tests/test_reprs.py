@@ -78,6 +78,14 @@ LINES: dict[str, tuple[Any, str]] = {
     ),
     "markers": (ms.MarkerTracker(COLOR, MARKED), r"MarkerTracker\(0 of 1 markers in sight\)"),
     "filter": (ms.PoseFilter(), r"PoseFilter\(no pose yet\)"),
+    "several targets": (
+        ms.MultiTracker(ms.Circle, COLOR),
+        r"MultiTracker\(0 targets followed, 0 found, 0 frames\)",
+    ),
+    "one of several": (
+        ms.Target(3, "blue", TRACK, 0.5, (4,)),
+        r"Target\(3 'blue', since 0\.5 s, or 4: Track\(Circle .*\)",
+    ),
     "neighbors": (ms.Neighbors(CAMERA, MARKED, COLOR, COLOR), r"Neighbors\(0 balls followed, 0 frames\)"),
     "neighbor": (ms.Neighbor(3, POSE, TRACK, (), False), r"Neighbor\(.*"),
     "parameters": (ms.TrackerParameters(coast=0.1), r"TrackerParameters\(coast=0\.1\)"),

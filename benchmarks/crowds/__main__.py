@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from benchmarks.crowds.bars import TIMED, bars, cost_ratio
-from benchmarks.crowds.cases import EVERY, Case, cases
+from benchmarks.crowds.cases import EVERY, cases
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
 from benchmarks.crowds.labelled import folder
@@ -50,7 +50,7 @@ def main(
         listed += [case for case in TIMED if case not in listed]
     with Field() as field:
         for number, case in enumerate(listed, 1):
-            missing = [key for key in keys if kept.get(case, key) is None and _fits(key, case)]
+            missing = [key for key in keys if kept.get(case, key) is None]
             if missing:
                 print(f"{number} of {len(listed)}: {case.scene}, {case.balls} balls, seed {case.seed}", file=sys.stderr)
                 follow(case, missing, field, machine, kept.add)
@@ -72,11 +72,6 @@ def _here(scenes: list[str]) -> list[str]:
     for clip in absent_clips:
         print(f"{clip} is left out: no {folder()}", file=sys.stderr)
     return [scene for scene in scenes if scene not in absent_clips]
-
-
-def _fits(key: str, case: Case) -> bool:
-    """Whether a follower knows what it must of a crowd: `Neighbors` needs a camera."""
-    return key != "neighbors" or case.scene not in CLIPS
 
 
 def _known(keys: list[str]) -> list[str]:

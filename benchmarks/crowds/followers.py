@@ -7,16 +7,12 @@ from typing import Any, Protocol
 
 import matchset as ms
 from benchmarks.crowds.cases import DETECTING, FOLLOWING, MOST, Watched, checksum
-from benchmarks.crowds.crowd import CAMERA, Crowd
-from benchmarks.crowds.labelled import LabelledClip
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
 from benchmarks.crowds.peers.peer import PEERS, stored
 from benchmarks.crowds.score import Answer
-from matchset.localization.neighbors.neighbors import NeighborsParameters
 
-PURPLE = ((135, 80, 40), (165, 255, 255))  # HSV limits of a marker that no ball of these crowds has
 SCORE = Path(__file__).with_name("score.py")
-OWN = {"matchset": "matchset `MultiTracker`", "neighbors": "matchset `Neighbors`"}
+OWN = {"matchset": "matchset `MultiTracker`"}
 NAMES = OWN | {key: peer.name for key, peer in PEERS.items()}
 
 
@@ -52,23 +48,6 @@ class Many:
         return [Answer(each.identity, each.track.shape) for each in targets if isinstance(each.track, ms.Track)]
 
 
-class ByNeighbors:
-    """matchset's `Neighbors`, which knows the camera and the balls' size; they have no markers here."""
-
-    def __init__(self, color: ms.ColorModel, radius: float) -> None:
-        ball = ms.BallTarget(2.0 * radius, markers=((0, 0, 1),))
-        parameters = NeighborsParameters(max_count=MOST)
-        self._neighbors = ms.Neighbors(CAMERA, ball, color, ms.ColorModel.hsv(*PURPLE), parameters)
-        self.seconds = 0.0
-
-    def update(self, frame: ms.Frame) -> list[Answer]:
-        """Answer what is tracked."""
-        begin = time.perf_counter()
-        neighbors = self._neighbors.update(frame)
-        self.seconds = time.perf_counter() - begin
-        return [Answer(each.identity, each.ball.shape) for each in neighbors if isinstance(each.ball, ms.Track)]
-
-
 def absent(key: str) -> str:
     """Why a follower cannot be had here; empty if it can."""
     if key in PEERS:
@@ -92,13 +71,9 @@ class Field:
         for process in self._processes.values():
             process.close()
 
-    def own(self, key: str, crowd: Crowd | LabelledClip, color: ms.ColorModel) -> Follower:
-        """Make one of matchset's."""
-        if key == "matchset":
-            return Many(color)
-        if isinstance(crowd, LabelledClip):
-            raise ValueError("`Neighbors` needs a camera and the size of the balls, which this clip does not tell")
-        return ByNeighbors(color, crowd.radius)
+    def own(self, color: ms.ColorModel) -> Follower:
+        """Make matchset's."""
+        return Many(color)
 
     def fed(self, key: str, given: Watched, parameters: dict[str, Any] | None = None) -> FedPeer:
         """Make a peer for one crowd, with its stored parameters or others."""

@@ -29,7 +29,7 @@ TrackEval. Means over the seeds. Balls of which less than 30 % is seen count nei
 often a ball got another name; *names*: how many were given; *doubled*: answers on balls beyond one for each ball of a
 frame; all of one crowd. Peers are fed with the circles of `ms.detect`, the same for all, as boxes with their support as
 confidence, and have the parameters that were best on seeds 100 and 101 (`benchmarks/crowds/peers/parameters.toml`).
-Their ms include the detection. `Neighbors` is told camera and size.
+Their ms include the detection.
 
 *juggling*: up to five balls for each juggler, whose hands hide what they hold. *billiards*: a plane, collisions.
 *swarm*: three dimensions, balls leave and come back. *crossing*: all balls pass the middle of the view every 2 s.

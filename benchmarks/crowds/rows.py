@@ -78,7 +78,7 @@ def follow(case: Case, keys: Sequence[str], field: Field, machine: str, add: Cal
             known = watched(case)
             answers, seconds = follow_fed(field, key, known)
         else:
-            known, answers, seconds = _follow_pictures(field, key, case)
+            known, answers, seconds = _follow_pictures(field, case)
         add(_row(case, key, known, answers, seconds, machine))
 
 
@@ -94,10 +94,10 @@ def follow_fed(
     return answers, seconds
 
 
-def _follow_pictures(field: Field, key: str, case: Case) -> tuple[Watched, list[list[Answer]], list[float]]:
+def _follow_pictures(field: Field, case: Case) -> tuple[Watched, list[list[Answer]], list[float]]:
     """Let one of matchset's follow the pictures; nothing is detected in them beside that."""
     crowd = case.crowd()
-    follower = field.own(key, crowd, color_of(crowd))
+    follower = field.own(color_of(crowd))
     known, answers, seconds = Watched([], [], []), [], []
     for frame, seen in crowd:
         answers.append(follower.update(frame))

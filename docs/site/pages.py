@@ -28,7 +28,7 @@ API = {
         ("CameraModel", "BallTarget", "Localizer", "MarkerTracker", "Pose", "PoseFilter"),
     ),
     "drawing": ("Pictures and tables of results", ("draw", "draw_pose", "write_video", "table", "to_supervision")),
-    "neighbors": ("Several balls", ("Neighbors", "Neighbor")),
+    "neighbors": ("Several balls", ("MultiTracker", "Target", "Neighbors", "Neighbor")),
 }
 
 # file -> title, the public folder of `matchset` whose names it explains

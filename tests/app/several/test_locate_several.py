@@ -66,7 +66,7 @@ def test_one_ball_is_located_as_ever(matchset: Matchset, balls: Path) -> None:
     [
         ((*LENS, "--most", "2"), "--most is of several targets"),
         ((*LENS, "--all", "--marker-pick", "60,60"), "markers and --mavlink are of one ball"),
-        ((*LENS, "--all", "--mavlink", "udpout:127.0.0.1:14550"), "markers and --mavlink are of one ball"),
+        ((*LENS, "--all", "--mavlink", "mavlink:udpout:127.0.0.1:14550"), "markers and --mavlink are of one ball"),
         (("--fov", "60", "--all"), "say how large the ball is"),
         (("--diameter", "0.3", "--all"), "say what the camera is like"),
     ],

@@ -41,7 +41,8 @@ class OneFilter:
             noise = LIMITS.jerk * size * np.array((t**3 / 6, t * t / 2, t))
         return f @ self.state, f @ self.covariance @ f.T + np.outer(noise, noise)
 
-    def correct(self, x: float, y: float, radius: float, time: float) -> None:
+    def correct(self, place: Gate, time: float) -> None:
+        x, y, radius = place
         state, covariance = self.ahead(time)
         h = np.array((1.0, 0.0, 0.0))
         gain = covariance @ h / (h @ covariance @ h + VARIANCE)
@@ -61,10 +62,11 @@ def test_all_filters_at_once_are_the_same_as_one_after_the_other(model: int) -> 
     for step in range(1, 9):
         time = step / 30.0 + 0.01 * random.random()
         seen = [k for k in range(3) if (step + k) % 3]
-        places = {k: (*(begun[k] + 6.0 * step + random.normal(0.0, 0.5, 2)).tolist(), 20.0 + k) for k in seen}
+        centers = (begun + 6.0 * step + random.normal(0.0, 0.5, (3, 2))).tolist()
+        places = {k: Gate(centers[k][0], centers[k][1], 20.0 + k) for k in seen}
         bank.correct([slots[k] for k in seen], [sighting(*places[k]) for k in seen], time)
         for k in seen:
-            twins[k].correct(*places[k], time)
+            twins[k].correct(places[k], time)
         tables = bank.tables(time + 0.05)
         for slot, twin in zip(slots, twins, strict=True):
             state, covariance = twin.ahead(time + 0.05)

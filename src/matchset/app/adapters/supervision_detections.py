@@ -13,9 +13,7 @@ from matchset.tracking.track import Lost, Track
 Answer = Track[Any] | Lost[Any]
 
 
-def to_supervision(
-    tracks: Answer | Iterable[Answer] | Iterable[Target[Any]], tracker_id: Sequence[int] | None = None
-) -> Any:
+def to_supervision(tracks: Answer | Iterable[Answer | Target[Any]], tracker_id: Sequence[int] | None = None) -> Any:
     """Make `supervision.Detections` of tracks, for the annotators, zones and counters of that package.
 
     Parameters

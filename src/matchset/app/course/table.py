@@ -23,7 +23,7 @@ KINDS = ("pandas", "polars", "arrays")
 """What a table may be, in the order in which it is chosen."""
 
 
-def table(tracks: Answer | Iterable[Answer] | Iterable[Sequence[Target[Any]]], kind: str | None = None) -> Any:
+def table(tracks: Answer | Iterable[Answer | Sequence[Target[Any]]], kind: str | None = None) -> Any:
     """Make a table of what was found, one row for each frame, with the columns of `tracks.csv`.
 
     Parameters

@@ -18,7 +18,8 @@ FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes fo
 class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How tracklets are linked with targets.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    show a change.
 
     Parameters
     ----------
@@ -30,24 +31,27 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
         Distance from where a target was expected that was lost, in half-widths, up to which a tracklet may be of it.
     clear : float
         Log-odds of the best joint explanation against the best other one from which there is no doubt.
+    stays : float
+        Log-odds of what was taken in the frame before: more changes names less often while they are in doubt.
     decide : int
         Sightings of a tracklet after which the likeliest explanation is taken in any case.
     new_log : float
         Log-likelihood of a new target: that of one in a square of `new_px` px, less this.
     new_px : float
         See there.
-    unsure : float
-        How much less likely a new target is that only a search for a hidden one has found.
+    chance : float
+        Log-likelihood up to which what only a search for a hidden target has found is taken for chance.
     """
 
     least: float = -30.0
     gate: float = 25.0
     touching: float = 0.9
     clear: float = 5.0
+    stays: float = 2.0
     decide: int = 12
     new_log: float = 8.0
     new_px: float = 60.0
-    unsure: float = 5.0
+    chance: float = -12.0
 
 
 class Linking:
@@ -139,13 +143,13 @@ class Linking:
                 if each.tracklet is not None and each.tracklet.is_certain:
                     continue
                 explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
-                if explained.squared < self.limits.gate:
+                likely = sighting.sure or explained.log > self.limits.chance
+                if explained.squared < self.limits.gate and likely:
                     slot = self._slot_after(each, sighting, explained.halted, time)
                     tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
-            if len(self.targets) + len(begun) < self.most:
+            if sighting.sure and len(self.targets) + len(begun) < self.most:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
-                score -= 0.0 if sighting.sure else self.limits.unsure
                 tracklet.hypotheses[new] = Hypothesis(new.slot, score)
             if tracklet.hypotheses:
                 tracklet.doubted = 1
@@ -207,7 +211,8 @@ class Linking:
         for row, tracklet in enumerate(open_ones):
             for column, each in enumerate(columns):
                 if each in tracklet.hypotheses:
-                    table[row, column] = -tracklet.hypotheses[each].score
+                    stays = self.limits.stays if each.tracklet is tracklet else 0.0
+                    table[row, column] = -tracklet.hypotheses[each].score - stays
         rows, taken = linear_sum_assignment(table)
         chosen: list[int | None] = [None] * len(open_ones)
         for row, column in zip(rows.tolist(), taken.tolist(), strict=True):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
 from matchset.shapes.shape import Shape
+from matchset.tracking.many.field_timing import FieldTiming
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.sightings import Sighting, are_fields, of_both, place_of, sighting_of
@@ -76,7 +77,7 @@ class Observer:
         self._finds, self.requests = finds, list[Request]()
         self._frames = self._turn = 0
         self._labels = list(colors)
-        self._fields = 0.0, 0.0
+        self._fields = FieldTiming(parameters.fields)
 
     def tracker(self, label: str) -> Tracker[Any]:
         """Return a tracker that nobody uses."""
@@ -118,7 +119,6 @@ class Observer:
     ) -> Observed:
         """Look at a frame, `passed` seconds after the one before."""
         self._frames += 1
-        self._share_fields(tracklets)
         continued, ended = self._follow(frame, predicted, (tracklets, hidden), passed)
         known = list(continued.values())
         fresh = list[Sighting]()
@@ -152,14 +152,6 @@ class Observer:
                 self.requests.remove(request)
         return found
 
-    def _share_fields(self, tracklets: Sequence[Tracklet]) -> None:
-        """Ask the trackers by turns what they know of the fields of the camera's pictures, for new ones."""
-        period = self._limits.fields_period
-        if tracklets and self._frames % period == 0:
-            tracker = tracklets[self._frames // period % len(tracklets)].tracker
-            if tracker is not None:
-                self._fields = max(self._fields, tracker.step.fields, key=lambda known: known[1])
-
     def _follow(
         self, frame: Frame, predicted: Predicted, followed: tuple[Sequence[Tracklet], Sequence[Followed]], passed: float
     ) -> tuple[dict[Tracklet, Sighting], list[Tracklet]]:
@@ -171,14 +163,15 @@ class Observer:
             if each.tracker is None:
                 each.tracker = self.tracker(each.label)
                 each.restarts = self._limits.restarts
-                each.tracker.step.fields = self._fields
             if each.restarts > 0:
+                each.tracker.step.fields = self._fields.moments
                 each.restarts -= 1
                 each.start(predicted, passed)
             each.tracker.step.asks_network = each not in crowded
             answer = each.tracker.update(frame)
             if isinstance(answer, Track):
                 seen[each] = sighting_of(answer, sigmas, each.label)
+                self._fields.note(each.sighting, seen[each])
             else:
                 ended.append(each)
         for each in [each for each in seen if self._is_mixed(each, seen, hidden, predicted)]:
@@ -282,7 +275,7 @@ class Observer:
             probes += 1
             tracker = each.probe = each.probe or self.tracker(each.label)
             since = passed if each.probed is None else min(frame.time - each.probed, 1.0)
-            tracker.step.fields = self._fields
+            tracker.step.fields = self._fields.moments
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
             tracker.step.asks_network = not any(

@@ -3,6 +3,7 @@
 import msgspec
 
 from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.many.field_timing import FieldTimingParameters
 from matchset.tracking.many.linking import LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters
 from matchset.tracking.many.sightings import MergeParameters
@@ -21,7 +22,8 @@ ONE_OF_SEVERAL = TrackerParameters(
 class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How several targets are followed.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/many.md); `python -m benchmarks.crowds` would show a change.
+    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    show a change.
 
     Parameters
     ----------
@@ -35,8 +37,6 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     period : int
         Of so many frames in which all targets are seen, in one a strip is searched for new ones and the filters are
         corrected: less finds new ones sooner, more costs less.
-    fields_period : int
-        Of so many frames, in one a tracker is asked what it knows of the fields of interlaced pictures.
     crowded : float
         Distance of a target from others, in half-widths of the larger, from which the network of discs is asked.
     probes : int
@@ -54,6 +54,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
         ago, s: what was caught stays there.
     points : int
         Lines across each outline, see `Tracker`.
+    fields : FieldTimingParameters
     motion : ManyMotionParameters
     linking : LinkingParameters
     merge : MergeParameters
@@ -66,7 +67,6 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     confirm: int = 2
     expected: float = 0.6
     period: int = 3
-    fields_period: int = 8
     crowded: float = 4.0
     probes: int = 4
     restarts: int = 3
@@ -76,6 +76,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     halted_period: int = 3
     halted_after: float = 0.15
     points: int = 64
+    fields: FieldTimingParameters = FieldTimingParameters()
     motion: ManyMotionParameters = ManyMotionParameters()
     linking: LinkingParameters = LinkingParameters()
     merge: MergeParameters = MergeParameters()

@@ -49,6 +49,9 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
         Speed that a shape may have at first sight, px per frame: the fields of an interlaced picture may lie apart.
     same_distance : float
         Shapes whose centers are nearer than this, in half-widths of the larger one, are the same.
+    alike : float
+        How near to the size of one that is known, or was clicked, a new shape must be, as a logarithm, for the evidence
+        of one more of these to be enough.
     grid : SearchParameters
         Of the coarse search of a strip.
     """
@@ -62,14 +65,26 @@ class StripSearchParameters(msgspec.Struct, frozen=True):
     range_share: float = 0.2
     speed: float = 8.0
     same_distance: float = 0.7
+    alike: float = 0.4
     grid: SearchParameters = SearchParameters()
 
 
 class _Searched(NamedTuple):
-    """What is known of what a part of the image is searched for: size of a cell, px; whether it is expected there."""
+    """What is known of what a part of the image is searched for.
+
+    Attributes
+    ----------
+    stride : int
+        Size of a cell, px.
+    expected : bool
+        Whether it is expected there.
+    sizes : list of float
+        Half-widths of others like it, px.
+    """
 
     stride: int
     expected: bool
+    sizes: list[float]
 
 
 class _Start(NamedTuple):
@@ -142,6 +157,8 @@ class StripSearch:
         part = image[top : top + rows, left : left + columns]
         part = part if part.flags.c_contiguous else np.ascontiguousarray(part)
         found: list[Track[Any]] = []
+        circle = self.color.circle
+        sizes = [place.half_width for place in known] + ([] if circle is None else [circle[2]])
         taken, fitted = list(known), 0
         for start in self._starts(searcher, part, (left, top)):
             if fitted == self.parameters.candidates:
@@ -149,7 +166,7 @@ class StripSearch:
             if self._is_known(start.place, taken):
                 continue
             fitted += 1
-            estimate = self._fit(image, start, _Searched(searcher.stride, expected))
+            estimate = self._fit(image, start, _Searched(searcher.stride, expected, sizes))
             if estimate is None or self._is_known(gate_of(self.family, estimate.state), taken):
                 continue
             taken.append(gate_of(self.family, estimate.state))
@@ -180,15 +197,23 @@ class StripSearch:
         for window in (at_rest, moving):
             estimate = fitter.fit(image, self.color, state, window)
             if estimate.is_fitted and estimate.fit.half_width >= least:
-                if not searched.expected and not fitter.validate_detection(estimate, Prior.PRESENT):
+                prior = self._prior(estimate.fit.half_width, searched)
+                if prior is Prior.PRESENT and not fitter.validate_detection(estimate, prior):
                     return estimate
                 estimate = fitter.weigh(estimate, image, self.color)
-                if not fitter.validate_detection(estimate, Prior.HERE if searched.expected else Prior.PRESENT):
+                if not fitter.validate_detection(estimate, prior):
                     return estimate
                 state = estimate.state
             elif not searched.expected:
                 return None
         return None
+
+    def _prior(self, half_width: float, searched: _Searched) -> Prior:
+        """Say what is known beforehand of a shape of a size: there are others like it, or it needs more evidence."""
+        if searched.expected:
+            return Prior.HERE
+        alike = any(abs(math.log(half_width / size)) < self.parameters.alike for size in searched.sizes)
+        return Prior.PRESENT if alike else Prior.NONE
 
     def _is_known(self, place: Gate, others: Sequence[Gate]) -> bool:
         """Whether a shape is one of the others, or inside one, or around one."""

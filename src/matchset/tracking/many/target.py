@@ -4,6 +4,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
+from matchset.numeric.words import one_line, short
 from matchset.tracking.track import Lost, Track
 
 S = TypeVar("S")
@@ -31,3 +32,8 @@ class Target(msgspec.Struct, Generic[S], frozen=True):
     track: Track[Any] | Lost[Any]
     since: float
     alternatives: tuple[int, ...] = ()
+
+    @one_line
+    def __repr__(self) -> str:
+        others = "".join(f", or {each}" for each in self.alternatives)
+        return f"Target({self.identity} {self.label!r}, since {short(self.since)} s{others}: {self.track!r})"

@@ -14,7 +14,7 @@ def swing(phase: float, depth: float) -> PositionFunction:
 camera = ms.CameraModel.from_fov(640, 480, 1.25)
 paths = [swing(0.0, 2.0), swing(2.1, 2.4), swing(4.2, 2.8)]
 frames = list(MultiBallClip(camera=camera, paths=paths, marked=[False] * 3, frames=60))
-x, y = (float(each) for each in camera.project([paths[0](0.0)])[0])
+x, y = (float(each) for each in camera.project([(0.6, 0.0, 2.0)])[0])
 
 tracker = ms.MultiTracker(ms.Circle, ms.ColorModel.pick(frames[0].image, x, y), most=5)
 for frame in frames:

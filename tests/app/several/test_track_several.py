@@ -229,6 +229,18 @@ def test_misuse_is_one_line_and_leaves_nothing(
     assert list(Path().iterdir()) == []
 
 
+def test_a_later_click_on_what_is_followed_is_said(
+    matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    x, y = places(9)[0]
+    command = "track", balls, "--pick", BLUE_PICK, "--pick", f"{x},{y}@9", "--no-video"
+    assert matchset(*command, "-o", "out") == 2
+    assert "is target 0, followed already" in capsys.readouterr().err.splitlines()[-1]
+    assert max(int(row["frame"]) for row in rows_of("out/tracks.csv")) == 8
+    assert matchset(*command, "--all", "-o", "all") == 0
+    assert len({row["identity"] for row in rows_of("all/tracks.csv")}) == 2
+
+
 def test_one_color_under_two_names_is_refused(
     matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,7 +2,9 @@
 
 import csv
 import hashlib
+import itertools
 import json
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -239,6 +241,56 @@ def test_a_later_click_on_what_is_followed_is_said(
     assert max(int(row["frame"]) for row in rows_of("out/tracks.csv")) == 8
     assert matchset(*command, "--all", "-o", "all") == 0
     assert len({row["identity"] for row in rows_of("all/tracks.csv")}) == 2
+
+
+class Camera:
+    """A camera before the balls, pulled out after some frames."""
+
+    live, fps, length, broken, dropped = True, 30.0, None, 0, 0
+    warnings: tuple[str, ...] = ()
+    width, height = SIZE
+
+    def __init__(self, _source: str, **_: object) -> None:
+        self._frames = (ms.Frame(picture(k), k / 30.0, k) for k in range(FRAMES))
+
+    def __iter__(self) -> Iterator[ms.Frame]:
+        return self
+
+    def __next__(self) -> ms.Frame:
+        return next(self._frames)
+
+    def until(self, stopped: Callable[[], bool]) -> Iterator[ms.Frame]:
+        return itertools.takewhile(lambda _: not stopped(), self)
+
+    def __enter__(self) -> "Camera":
+        return self
+
+    def __exit__(self, *error: object) -> None: ...
+
+
+def test_before_a_camera_each_click_is_in_the_next_picture(
+    matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("matchset.media.video.Video", Camera)
+    assert matchset("track", "0", "--pick", BLUE_PICK, "--pick", RED_PICK, "--print", "-o", "out") == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert {(line["identity"], line["label"]) for line in lines} == {(0, "1"), (1, "2")}
+    assert all("age_ms" in line for line in lines)
+    assert max(line["frame"] for line in lines) == FRAMES - 1
+    assert not Path("out/summary.png").exists()
+
+
+def test_brightness_is_followed_too(matchset: Matchset, tmp_path: Path) -> None:
+    (tmp_path / "dark").mkdir()
+    for index in range(12):
+        image = np.full((SIZE[1], SIZE[0]), 190, np.uint8)
+        for x, y in places(index)[:2]:
+            cv2.circle(image, (round(x), round(y)), 22, 60, cv2.FILLED, cv2.LINE_AA)
+        cv2.imwrite(f"dark/{index:02d}.png", image)
+    assert matchset("track", "dark", "--gray", "dark", "--all", "--no-video", "-o", "out") == 0
+    assert len({row["identity"] for row in rows_of("out/tracks.csv")}) == 2
+    assert matchset("track", "dark", "--gray", "dark", "--pick", BLUE_PICK, "--pick", OTHER_BLUE, "-o", "two") == 0
+    assert {(row["identity"], row["label"]) for row in rows_of("two/tracks.csv")} == {("0", "1"), ("1", "1")}
 
 
 def test_one_color_under_two_names_is_refused(

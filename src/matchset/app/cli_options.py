@@ -275,6 +275,7 @@ class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options that say what to track: exactly one of them, or `pick` together with `gray` or `reading`."""
 
     pick: Pick = None
+    picks: list[str] | None = None  # an option of some commands only, in place of `pick`: see SeveralTargetOptions
     reading: ReadingNumber = 1
     candidate: Candidate = None
     color: Color = None

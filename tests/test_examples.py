@@ -106,6 +106,12 @@ def test_a_rectangle_is_tracked(run: Run) -> None:
     assert sum(errors_px) / 30 < 0.7
 
 
+def test_balls_that_cross_keep_their_identities(run: Run) -> None:
+    lines = run("many_balls.py").lines
+    assert len(lines) == 60
+    assert all(set(re.findall(r"(\d+): ", line)) == {"0", "1", "2"} for line in lines[5:])
+
+
 def test_coins_are_found(run: Run) -> None:
     assert len(run("detect_coins.py").lines) == 3
 

@@ -72,3 +72,21 @@ def test_without_the_package_one_line_says_what_to_install(monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "supervision", None)
     with pytest.raises(ImportError, match=r"pip install supervision$"):
         ms.to_supervision(TRACK)
+
+
+@pytest.mark.usefixtures("package")
+def test_targets_have_their_identities_and_labels() -> None:
+    targets: list[ms.Target[Any]] = [
+        ms.Target(4, "red", TRACK, 0.0),
+        ms.Target(5, "red", LOST, 0.0),
+        ms.Target(9, "blue", OTHER, 0.0),
+    ]
+    found = ms.to_supervision(targets)
+    assert found.tracker_id.tolist() == [4, 9]
+    assert found.data["class_name"].tolist() == ["red", "blue"]
+    assert found.xyxy.tolist() == [[5.0, 15.0, 15.0, 25.0], [26.0, 37.0, 34.0, 43.0]]
+    with pytest.raises(ValueError, match="identities of their own"):
+        ms.to_supervision(targets, tracker_id=[1, 2, 3])
+    with pytest.raises(TypeError, match="a track"):
+        ms.to_supervision([TRACK, targets[0]])
+    assert len(ms.to_supervision(targets[1:2]).xyxy) == 0

@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
 
 import msgspec
 import typer
@@ -31,6 +31,14 @@ Pick = Annotated[
         metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME; of a file it is followed both ways."
     ),
 ]
+Picks = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--pick",
+        metavar="X,Y[@FRAME]",
+        help="A pixel on the ball, in frame 0 or FRAME; of a file it is followed both ways. Several: a target each.",
+    ),
+]
 ReadingNumber = Annotated[
     int, typer.Option("--reading", metavar="N", min=1, help="What the --pick means: the N-th likeliest thing there.")
 ]
@@ -40,6 +48,14 @@ Candidate = Annotated[
 Color = Annotated[
     list[Path] | None,
     typer.Option(metavar="FILE", help="A color of the ball that 'learn' saved; several are joined."),
+]
+NamedColor = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--color",
+        metavar="[NAME=]FILE",
+        help="A color of the ball that 'learn' saved; several are joined, unless named.",
+    ),
 ]
 Hsv = Annotated[
     list[str] | None,
@@ -259,6 +275,7 @@ class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options that say what to track: exactly one of them, or `pick` together with `gray` or `reading`."""
 
     pick: Pick = None
+    picks: list[str] | None = None  # an option of some commands only, in place of `pick`: see SeveralTargetOptions
     reading: ReadingNumber = 1
     candidate: Candidate = None
     color: Color = None
@@ -267,7 +284,20 @@ class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     ball: bool = True  # no option: whether the shape that is followed is one
 
 
-class GrayTargetOptions(TargetOptions, frozen=True, kw_only=True):
+class SeveralTargetOptions(TargetOptions, frozen=True, kw_only=True):
+    """The same with more than one `--pick`; of one alone `pick` is set by `single`."""
+
+    pick: str | None = None
+    picks: Picks = None
+    color: NamedColor = None
+
+    @property
+    def single(self) -> Self:
+        """The same with the first click alone."""
+        return msgspec.structs.replace(self, pick=self.picks[0], picks=None) if self.picks else self
+
+
+class GrayTargetOptions(SeveralTargetOptions, frozen=True, kw_only=True):
     """The same with `--gray`."""
 
     gray: Gray = None

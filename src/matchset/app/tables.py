@@ -57,6 +57,10 @@ class RowWriter(Closing, Generic[Row]):
     jsonl_path : Path, optional
         Where to write the same rows as JSON lines.
 
+    Attributes
+    ----------
+    columns : tuple of Column
+
     Raises
     ------
     OSError
@@ -64,20 +68,20 @@ class RowWriter(Closing, Generic[Row]):
     """
 
     def __init__(self, csv_path: Path, columns: Sequence[Column], jsonl_path: Path | None = None) -> None:
-        self._columns, self._rows = tuple(columns), 0
+        self.columns, self._rows = tuple(columns), 0
         self._csv = WholeFile(csv_path)
         self._jsonl: WholeFile | None = None
         try:
             if jsonl_path is not None:
                 self._jsonl = WholeFile(jsonl_path)
-            self._csv.append(_csv_line([column.name for column in self._columns]).encode())
+            self._csv.append(_csv_line([column.name for column in self.columns]).encode())
         except BaseException:
             self.close()
             raise
 
-    def cells(self, row: Row) -> dict[str, Cell]:
-        """Return a row's values by column name, None where there is none."""
-        return {column.name: column.value(row) for column in self._columns}
+    def lines(self, row: Row) -> list[Cells]:
+        """Return a row's values by column name, None where there is none: one line of the table."""
+        return [{column.name: column.value(row) for column in self.columns}]
 
     def write(self, row: Row) -> None:
         """Append one row.
@@ -87,11 +91,11 @@ class RowWriter(Closing, Generic[Row]):
         UnfinishedFileError
             If it does not fit on the disk: the file ends with the row before.
         """
-        cells = self.cells(row)
-        self._append(self._csv, _csv_line(["" if value is None else str(value) for value in cells.values()]))
-        if self._jsonl is not None:
-            self._append(self._jsonl, json_line(cells))
-        self._rows += 1
+        for cells in self.lines(row):
+            self._append(self._csv, _csv_line(["" if value is None else str(value) for value in cells.values()]))
+            if self._jsonl is not None:
+                self._append(self._jsonl, json_line(cells))
+            self._rows += 1
 
     def _append(self, file: WholeFile, line: str) -> None:
         try:

@@ -137,3 +137,19 @@ def test_misuse_is_refused_in_words(name: str) -> None:
     call, error, words = MISUSE[name]
     with pytest.raises(error, match=words):
         call()
+
+
+def test_targets_have_rows_with_their_identities() -> None:
+    found = ms.Track(ms.Circle(70.0, 50.0, 25.0), 0.04 * np.eye(3), 1.0, np.empty((0, 2)), 0.0)
+    one: ms.Target[Any] = ms.Target(0, "red", found, 0.0)
+    other: ms.Target[Any] = ms.Target(3, "blue", ms.Lost("hidden", 0.0), 0.0, (0,))
+    made = ms.table([[one, other], [], [other]], kind="arrays")
+    assert made["frame"].tolist() == [0, 0, 2]
+    assert made["identity"].tolist() == [0, 3, 3]
+    assert made["label"].tolist() == ["red", "blue", "blue"]
+    assert made["alternatives"].tolist() == ["", "0", "0"]
+    assert made["x"].tolist() == [70.0, None, None]
+    with pytest.raises(TypeError, match="a frame of the table"):
+        ms.table([[one], found])
+    with pytest.raises(TypeError, match="a row of the table"):
+        ms.table([[found]])  # type: ignore[list-item]

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from matchset.app.locate.rows import pose_columns, pose_row
+from matchset.app.several.target_rows import target_columns, target_row
 from matchset.app.tables import Cell, Column
 from matchset.app.track.rows import track_columns, track_row
 from matchset.localization.pose import Pose
 from matchset.numeric.arguments import check_kind
 from matchset.shapes.circle import Circle
+from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost, Track
 
 Answer = Track[Any] | Pose | Lost[Any]
@@ -21,7 +23,7 @@ KINDS = ("pandas", "polars", "arrays")
 """What a table may be, in the order in which it is chosen."""
 
 
-def table(tracks: Answer | Iterable[Answer], kind: str | None = None) -> Any:
+def table(tracks: Answer | Iterable[Answer | Sequence[Target[Any]]], kind: str | None = None) -> Any:
     """Make a table of what was found, one row for each frame, with the columns of `tracks.csv`.
 
     Parameters
@@ -29,7 +31,8 @@ def table(tracks: Answer | Iterable[Answer], kind: str | None = None) -> Any:
     tracks : iterable of Track or Lost, or of Pose or Lost
         What `Tracker.update` returned, frame by frame: frame, time, found, the parameters of the shape (px, rad), their
         standard deviations, support, reason. Or what `Localizer.update` returned: the columns of `poses.csv`, m and
-        rad. `frame` counts from 0.
+        rad. Or lists of targets, what `MultiTracker.update` returned for each frame: one row for each target, with the
+        columns `identity`, `label` and `alternatives` behind the others. `frame` counts from 0.
     kind : str, optional
         "pandas": a `pandas.DataFrame`; "polars": a `polars.DataFrame`; "arrays": a dict of NumPy arrays. By default the
         first of them that is installed.
@@ -58,7 +61,7 @@ def table(tracks: Answer | Iterable[Answer], kind: str | None = None) -> Any:
     """
     chosen = _kind(kind)
     given = [tracks] if isinstance(tracks, Track | Pose | Lost) else list(tracks)
-    columns, rows = _pose_rows(given) if any(isinstance(each, Pose) for each in given) else _track_rows(given)
+    columns, rows = _rows(given)
     cells = {column.name: [column.value(row) for row in rows] for column in columns}
     cells["found"] = [bool(each) for each in cells["found"]]
     return _MAKERS[chosen](cells)
@@ -75,15 +78,36 @@ def _kind(kind: str | None) -> str:
     return kind
 
 
+def _rows(given: Sequence[Any]) -> tuple[list[Column], list[Any]]:
+    """Return the columns and the rows of what was given."""
+    if any(isinstance(each, list | tuple) for each in given):
+        return _target_rows(given)
+    return _pose_rows(given) if any(isinstance(each, Pose) for each in given) else _track_rows(given)
+
+
 def _track_rows(given: Sequence[Any]) -> tuple[list[Column], list[Any]]:
     for each in given:
         check_kind("a row of the table", each, (Track, Lost), "Tracker.update(frame) gives one")
+    return track_columns(_parameters(given)), [track_row(number, each) for number, each in enumerate(given)]
+
+
+def _target_rows(given: Sequence[Any]) -> tuple[list[Column], list[Any]]:
+    for frame in given:
+        check_kind("a frame of the table", frame, (list, tuple), "MultiTracker.update(frame) gives a list")
+        for each in frame:
+            check_kind("a row of the table", each, Target, "MultiTracker.update(frame) gives a list of them")
+    columns = target_columns(_parameters([each.track for frame in given for each in frame]))
+    return columns, [target_row(number, each) for number, frame in enumerate(given) for each in frame]
+
+
+def _parameters(given: Sequence[Any]) -> Sequence[str]:
+    """Return the parameters of the only family of shapes among answers."""
     families = {type(each.shape): each.shape.parameters for each in given if isinstance(each, Track)}
     if len(set(families.values())) > 1:
         names = ", ".join(sorted(family.__name__ for family in families))
         raise ValueError(f"a table has the parameters of one family of shapes, got {names}")
-    parameters = next(iter(families.values()), Circle.parameters)
-    return track_columns(parameters), [track_row(number, each) for number, each in enumerate(given)]
+    parameters: Sequence[str] = next(iter(families.values()), Circle.parameters)
+    return parameters
 
 
 def _pose_rows(given: Sequence[Any]) -> tuple[list[Column], list[Any]]:
@@ -92,16 +116,19 @@ def _pose_rows(given: Sequence[Any]) -> tuple[list[Column], list[Any]]:
     return pose_columns(), [pose_row(number, each) for number, each in enumerate(given)]
 
 
+_ARRAYS: dict[str, Any] = {"frame": np.int64, "identity": np.int64, "found": np.bool_}
+
+
 def _is_text(name: str) -> bool:
-    return name in ("reason", "observed")
+    return name in ("reason", "observed", "label", "alternatives")
 
 
 def _arrays(cells: dict[str, list[Cell]]) -> dict[str, Any]:
     """Arrays: what is missing is masked, and NaN below the mask."""
     made: dict[str, Any] = {}
     for name, column in cells.items():
-        if name in ("frame", "found") or _is_text(name):
-            made[name] = np.array(column, {"frame": np.int64, "found": np.bool_}.get(name, np.str_))
+        if name in _ARRAYS or _is_text(name):
+            made[name] = np.array(column, _ARRAYS.get(name, np.str_))
         else:
             missing = [each is None for each in column]
             made[name] = np.ma.array(np.array(column, np.float64), mask=missing)
@@ -110,7 +137,7 @@ def _arrays(cells: dict[str, list[Cell]]) -> dict[str, Any]:
 
 def _pandas(cells: dict[str, list[Cell]]) -> Any:
     pandas: Any = import_module("pandas")
-    kinds = {"frame": "int64", "found": "bool"}
+    kinds = {"frame": "int64", "identity": "int64", "found": "bool"}
     return pandas.DataFrame(
         {
             name: pandas.Series(column, dtype=kinds.get(name, "string" if _is_text(name) else "Float64"))
@@ -121,7 +148,7 @@ def _pandas(cells: dict[str, list[Cell]]) -> Any:
 
 def _polars(cells: dict[str, list[Cell]]) -> Any:
     polars: Any = import_module("polars")
-    kinds = {"frame": polars.Int64, "found": polars.Boolean}
+    kinds = {"frame": polars.Int64, "identity": polars.Int64, "found": polars.Boolean}
     return polars.DataFrame(
         cells, schema={name: kinds.get(name, polars.String if _is_text(name) else polars.Float64) for name in cells}
     )

@@ -13,14 +13,15 @@ from matchset.app.cli_options import (
     Fps,
     Params,
     Points,
+    SeveralTargetOptions,
     ShownOptions,
     SilenceOptions,
     Source,
-    TargetOptions,
     Topic,
     ToStdout,
     ViewOptions,
 )
+from matchset.app.several.options import SeveralOptions
 
 
 class MarkerOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -61,7 +62,8 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     diameter_sigma: Annotated[
         float | None, typer.Option(metavar="M", help="Standard deviation of the diameter; it counts in every pose.")
     ] = None
-    target: TargetOptions = TargetOptions()
+    target: SeveralTargetOptions = SeveralTargetOptions()
+    several: SeveralOptions = SeveralOptions()
     marker: MarkerOptions = MarkerOptions()
     marker_diameter: Annotated[
         float | None, typer.Option(metavar="M", help="Straight across a marker; without it 0.06.")

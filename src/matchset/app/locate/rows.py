@@ -4,7 +4,7 @@ import operator
 from pathlib import Path
 
 from matchset.app.tables import Column, CsvLine, RowWriter, read_csv
-from matchset.app.track.rows import FrameRow, frame_columns, read_std, std_columns, value_columns
+from matchset.app.track.rows import FrameRow, frame_columns, lines_of, read_std, std_columns, value_columns
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -96,13 +96,15 @@ def pose_table(folder: Path, jsonl: bool) -> RowWriter[PoseRow]:
     return RowWriter(folder / "poses.csv", pose_columns(), folder / "poses.jsonl" if jsonl else None)
 
 
-def read_poses(path: str | Path) -> list[PoseRow]:
+def read_poses(path: str | Path, identity: int | None = None) -> list[PoseRow]:
     """Read a `poses.csv`.
 
     Parameters
     ----------
     path : str or Path
         A CSV file with the columns ``frame,time,found,x,y,z``; the others may be missing.
+    identity : int, optional
+        Whose rows to take; needed only if the file holds several balls.
 
     Returns
     -------
@@ -114,7 +116,8 @@ def read_poses(path: str | Path) -> list[PoseRow]:
     ValueError
         If the file cannot be read or a row is wrong; the message holds the file and the line.
     """
-    return [_row_of(line) for line in read_csv(path, required=("frame", "time", "found", *POSITION))]
+    lines = read_csv(path, required=("frame", "time", "found", *POSITION))
+    return [_row_of(line) for line in lines_of(path, lines, identity)]
 
 
 def _row_of(line: CsvLine) -> PoseRow:

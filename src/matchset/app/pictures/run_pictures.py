@@ -20,7 +20,6 @@ from matchset.app.run_folder import output_file
 from matchset.image.frame import Frame
 from matchset.media.closing import Closing, close_all
 from matchset.media.video import Video
-from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
 
@@ -36,8 +35,8 @@ class DrawnFrame(Protocol):
         ...
 
     @property
-    def answer(self) -> Track[Any] | Lost[Any]:
-        """The tracker's answer."""
+    def answer(self) -> Any:
+        """The tracker's answer: a `Track` or `Lost`, or what the summary draws."""
         ...
 
     @property
@@ -156,6 +155,8 @@ class RunPictures(Closing, Generic[Drawn]):
         From a frame and its answer, one after the other, to the annotated picture.
     log : CourseLog, optional
         Of the same frames; the summary shows it.
+    summary : Summary, optional
+        What draws the summary, if not one of a single shape.
 
     Attributes
     ----------
@@ -169,6 +170,7 @@ class RunPictures(Closing, Generic[Drawn]):
         size: tuple[int, int],
         paint: Callable[[Frame, Drawn], Picture],
         log: CourseLog | None = None,
+        summary: Summary | None = None,
     ) -> None:
         self._wanted, self._paint, self._log, self.files = wanted, paint, log, list[Path]()
         fps, unasked = wanted.fps or DEFAULT_FPS, not wanted.none and not wanted.live
@@ -185,7 +187,7 @@ class RunPictures(Closing, Generic[Drawn]):
         if self._film is not None:
             self._tell(self._film.note)
             self.files.append(self._film.path)
-        self._summary = Summary() if unasked else None
+        self._summary = (summary or Summary()) if unasked else None
 
     def add(self, drawn: Drawn) -> None:
         """Take the next answered frame."""

@@ -12,7 +12,7 @@ from matchset.app.drawing.annotate import PREDICTED, as_color, draw_shape
 from matchset.app.drawing.text import draw_text, text_width, wrapped
 from matchset.app.progress import announce_if_slow
 from matchset.image.frame import Frame
-from matchset.tracking.track import Lost, Track
+from matchset.tracking.track import Track
 
 Picture = npt.NDArray[np.uint8]
 
@@ -54,7 +54,7 @@ class Summary:
         self._tiles: list[_Tile] = []
         self._step, self._offered, self._frames, self._found = 1, 0, 0, 0
 
-    def append(self, frame: Frame | None, answer: Track[Any] | Lost[Any], row: SummaryRow) -> None:
+    def append(self, frame: Frame | None, answer: Any, row: SummaryRow) -> None:
         """Note the next frame; None: it could not be decoded."""
         self._frames += 1
         self._found += row.found
@@ -65,8 +65,26 @@ class Summary:
                 del self._tiles[1::2]
                 self._step *= 2
             if self._offered % self._step == 0:
-                self._tiles.append(_tile(frame, answer, row))
+                self._tiles.append(self._tile(frame, answer, row))
         self._offered += 1
+
+    def _tile(self, frame: Frame, answer: Any, row: SummaryRow) -> _Tile:
+        """Reduce a frame, with what was found in it."""
+        height, width = frame.image.shape[:2]
+        wide = (_WIDTH_PX - (_ACROSS + 1) * _GAP_PX) // _ACROSS
+        scale = min(wide / width, _TALLEST_PX / height)
+        size = max(round(width * scale), 1), max(round(height * scale), 1)
+        small = np.asarray(cv2.resize(as_color(frame.image), size, interpolation=cv2.INTER_AREA), np.uint8)
+        self.draw(small, answer, scale)
+        words = f"frame {frame.index}   {row.time:.2f} s"
+        return _Tile(small, words if row.found else f"{words}   Lost: {row.reason}")
+
+    def draw(self, small: Picture, answer: Any, scale: float) -> None:
+        """Draw an answer into a frame that was reduced by a scale: its outline, or dashed the predicted one."""
+        if isinstance(answer, Track):
+            draw_shape(small, answer.shape, scale=scale, thickness=2)
+        elif answer.predicted is not None:
+            draw_shape(small, answer.predicted, PREDICTED, dashed=True, scale=scale, thickness=2)
 
     @property
     def is_empty(self) -> bool:
@@ -113,21 +131,6 @@ def _curves(course: Course) -> Picture:
         from matchset.app.course.figure import course_picture
 
         return course_picture(course, _WIDTH_PX)
-
-
-def _tile(frame: Frame, answer: Track[Any] | Lost[Any], row: SummaryRow) -> _Tile:
-    """Reduce a frame, with its outline, or dashed the predicted one."""
-    height, width = frame.image.shape[:2]
-    wide = (_WIDTH_PX - (_ACROSS + 1) * _GAP_PX) // _ACROSS
-    scale = min(wide / width, _TALLEST_PX / height)
-    size = max(round(width * scale), 1), max(round(height * scale), 1)
-    small = np.asarray(cv2.resize(as_color(frame.image), size, interpolation=cv2.INTER_AREA), np.uint8)
-    if isinstance(answer, Track):
-        draw_shape(small, answer.shape, scale=scale, thickness=2)
-    elif answer.predicted is not None:
-        draw_shape(small, answer.predicted, PREDICTED, dashed=True, scale=scale, thickness=2)
-    words = f"frame {frame.index}   {row.time:.2f} s"
-    return _Tile(small, words if row.found else f"{words}   Lost: {row.reason}")
 
 
 def _across(picture: Picture) -> int:

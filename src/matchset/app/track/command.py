@@ -3,8 +3,11 @@
 This module is loaded for every `matchset --help`; the functions import what they need.
 """
 
+import msgspec
+
 from matchset.app.cli_options import shape_file
 from matchset.app.exit_codes import EXIT_CODES, FOUND
+from matchset.app.several.options import are_several, check_several, color_files
 from matchset.app.track.options import DemoOptions, LearnOptions, ParamsOptions, ScoreOptions, TrackOptions
 
 TRACK_EPILOG = f"""
@@ -24,6 +27,8 @@ TRACK_EPILOG = f"""
 
   matchset track flight.bag --topic /cam/image_raw --color ball.npz
 
+  matchset track juggling.mp4 --pick 427,146 --all --mot juggling.txt
+
   matchset track rtsp://10.0.0.7/live --color ball.npz --timeout 1 --reconnect 60
 
 Without -o everything goes to a new folder, runs/0001-track and so on. tracks.csv holds one row a frame:
@@ -35,10 +40,15 @@ frame, time, found, the shape's parameters (x, y, radius), their standard deviat
 
 def track(options: TrackOptions) -> int:
     """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
+    check_several(options)
     _check_track(options)
+    if are_several(options):
+        from matchset.app.several.run import run_several
+
+        return run_several(options)
     from matchset.app.track.run import run_track
 
-    return run_track(options)
+    return run_track(msgspec.structs.replace(options, target=options.target.single))
 
 
 def _check_track(options: TrackOptions) -> None:
@@ -47,8 +57,8 @@ def _check_track(options: TrackOptions) -> None:
 
     shown = options.shown.names("track", options.video, options.to_stdout)
     names = "tracks.csv", "latency.csv", "why.png", *(("tracks.jsonl",) if options.jsonl else ()), *shown
-    inputs = [options.source, shape_file(options.shape), options.params, *(options.target.color or ())]
-    check_run(options.out, names, [options.video, options.shown.gif], inputs, options.force)
+    inputs = [options.source, shape_file(options.shape), options.params, *color_files(options.target.color)]
+    check_run(options.out, names, [options.video, options.shown.gif, options.several.mot], inputs, options.force)
     options.shown.check(options.video)
 
 
@@ -103,7 +113,7 @@ def score(options: ScoreOptions) -> int:
     """Measure tracks against the truth."""
     from matchset.app.track.score import score_files
 
-    score_files(options.tracks, options.truth, options.start, options.video, options.as_json)
+    score_files(options.tracks, options.truth, options.start, options.video, options.as_json, options.identity)
     return FOUND
 
 

@@ -193,12 +193,18 @@ def follow(
 
 def _undecoded(last: Frame | None, frame: Frame) -> Iterator[TrackedFrame]:
     """Yield the frames between two frames as lost, their times interpolated."""
+    for index, moment in between(last, frame):
+        lost: Lost[Any] = Lost(UNDECODED, moment)
+        yield TrackedFrame(None, lost, track_row(index, lost))
+
+
+def between(last: Frame | None, frame: Frame) -> Iterator[tuple[int, float]]:
+    """Yield the indices of the frames between two frames, that could not be decoded, and their times, interpolated."""
     first = 0 if last is None else last.index + 1
     start = 0.0 if last is None else last.time
     for index in range(first, frame.index):
         share = (index - first + 1) / (frame.index - first + 1)
-        lost: Lost[Any] = Lost(UNDECODED, round(start + share * (frame.time - start), 6))
-        yield TrackedFrame(None, lost, track_row(index, lost))
+        yield index, round(start + share * (frame.time - start), 6)
 
 
 def computing_lines(durations: Durations, words: str) -> list[str]:

@@ -23,6 +23,7 @@ from matchset.app.cli_options import (
     ToStdout,
     ViewOptions,
 )
+from matchset.app.several.options import MotOptions
 
 
 class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -32,6 +33,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     topic: Topic = None
     view: ViewOptions = ViewOptions()
     target: GrayTargetOptions = GrayTargetOptions()
+    several: MotOptions = MotOptions()
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
     shown: ShownOptions = ShownOptions()
@@ -81,6 +83,9 @@ class ScoreOptions(msgspec.Struct, frozen=True, kw_only=True):
     start: Annotated[int, typer.Option("--from", min=0, metavar="FRAME", help="Score from this frame on.")] = 0
     video: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which video's rows, if the truth holds several.")
+    ] = None
+    identity: Annotated[
+        int | None, typer.Option(min=0, metavar="N", help="Whose rows, if the tracks are of several targets.")
     ] = None
 
 

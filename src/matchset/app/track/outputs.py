@@ -84,7 +84,8 @@ class Outputs(Closing, Generic[Answered]):
             More values, by name.
         """
         try:
-            sys.stdout.write(json_line(self._table.cells(answered.row) | dict(extra)))
+            for cells in self._table.lines(answered.row):
+                sys.stdout.write(json_line({**cells, **extra}))
             sys.stdout.flush()
         except BrokenPipeError:
             self.pipe_closed = True

@@ -152,7 +152,7 @@ def track_table(csv_path: Path, parameters: Sequence[str], jsonl_path: Path | No
     return RowWriter(csv_path, track_columns(parameters), jsonl_path)
 
 
-def read_tracks(path: str | Path) -> list[TrackRow]:
+def read_tracks(path: str | Path, identity: int | None = None) -> list[TrackRow]:
     """Read a `tracks.csv`, of this program or another's.
 
     Parameters
@@ -160,6 +160,8 @@ def read_tracks(path: str | Path) -> list[TrackRow]:
     path : str or Path
         A CSV file with the columns ``frame,found`` and a shape's parameters; ``time``, standard
         deviations, ``support`` and ``reason`` may be missing.
+    identity : int, optional
+        Whose rows to take; needed only if the file holds several targets.
 
     Returns
     -------
@@ -171,7 +173,29 @@ def read_tracks(path: str | Path) -> list[TrackRow]:
     ValueError
         If the file cannot be read or a row is wrong; the message holds the file and the line.
     """
-    return by_frame(read_csv(path, required=("frame", "found", "x", "y", "radius")), _row_of)
+    lines = read_csv(path, required=("frame", "found", "x", "y", "radius"))
+    return by_frame(lines_of(path, lines, identity), _row_of)
+
+
+def lines_of(path: str | Path, lines: list[CsvLine], identity: int | None = None) -> list[CsvLine]:
+    """Return the lines of one target.
+
+    Raises
+    ------
+    ValueError
+        If there are several and none is named, or that one is not there.
+    """
+    if not any("identity" in line.cells for line in lines):
+        if identity is not None:
+            raise ValueError(f"{path} holds one target, without an identity, got identity {identity}")
+        return lines
+    there = sorted({line.index("identity") for line in lines})
+    words = ", ".join(map(str, there))
+    if identity is None and len(there) > 1:
+        raise ValueError(f"{path} holds several targets ({words}): say which by its identity")
+    if identity is not None and identity not in there:
+        raise ValueError(f"{path} holds no target {identity}; it has {words}")
+    return [line for line in lines if identity in (None, line.index("identity"))]
 
 
 def _row_of(line: CsvLine) -> TrackRow:
@@ -179,7 +203,7 @@ def _row_of(line: CsvLine) -> TrackRow:
     time = line.number("time") if line.text("time") else 0.0
     if not line.flag("found"):
         return TrackRow(frame, time, reason=line.text("reason"))
-    others = ("frame", "time", "found", "support", "reason")
+    others = ("frame", "time", "found", "support", "reason", "identity", "label", "alternatives")
     names = [name for name in line.cells if name not in others and not name.endswith(_STD)]
     return TrackRow(
         frame=frame,

@@ -4,6 +4,7 @@ import functools
 import itertools
 import shlex
 import sys
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -18,6 +19,7 @@ from matchset.app.parameters_file import tracker_parameters
 from matchset.app.pictures.part import VideoPart
 from matchset.app.pictures.run_pictures import WantedPictures
 from matchset.app.run_folder import output_folder
+from matchset.app.several.mot_file import noted
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.target.target_options import RefusedClickError, check_target_options, target_for
 from matchset.app.track.loop import RunStatistics, TrackedFrame, exit_code, follow, print_summary, trackers_for
@@ -56,7 +58,7 @@ def run_track(options: TrackOptions) -> int:
         folder = output_folder(options.out, "track", options.force)
         statistics, explainer = RunStatistics(), Explainer(command, target)
         out = sys.stderr if options.to_stdout else sys.stdout
-        tables = [folder / "tracks.csv", *([folder / "tracks.jsonl"] if options.jsonl else []), folder / "latency.csv"]
+        tables = tables_of(options, folder)
         files = list(tables)
         try:
             log = ShapeLog(family)
@@ -67,6 +69,7 @@ def run_track(options: TrackOptions) -> int:
             used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             frames = frames if before is None else before.timed(frames)
+            frames = noted(frames, options.several.mot, options.force, options.source)
             frames = frames if video.live else log.record(frames)  # a camera may run for weeks, and has no summary
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
             files = [*tables, *outputs.pictures.files]
@@ -75,6 +78,13 @@ def run_track(options: TrackOptions) -> int:
         if not stop:
             explainer.explain(folder, out)
     return exit_code(stop, statistics)
+
+
+def tables_of(options: TrackOptions, folder: Path) -> list[Path]:
+    """Return the tables of a run, for its summary."""
+    asked = [folder / "tracks.jsonl"] if options.jsonl else []
+    mot = [] if options.several.mot is None else [options.several.mot]
+    return [folder / "tracks.csv", *asked, folder / "latency.csv", *mot]
 
 
 def _outputs(

@@ -212,7 +212,9 @@ def _truth_of(row: CsvLine) -> TruthRow:
     return TruthRow(frame, circle, lowconf=row.text("method").endswith("|lowconf"))
 
 
-def score_files(tracks: Path, truth: Path, start: int, video: str | None, as_json: bool) -> Score:
+def score_files(
+    tracks: Path, truth: Path, start: int, video: str | None, as_json: bool, identity: int | None = None
+) -> Score:
     """Score a table of tracks and print the result.
 
     Parameters
@@ -225,13 +227,15 @@ def score_files(tracks: Path, truth: Path, start: int, video: str | None, as_jso
         Whose rows of the truth to take, if it holds several videos'.
     as_json : bool
         Whether to print one line of JSON.
+    identity : int, optional
+        Whose rows of the tracks to take, if they are of several targets.
 
     Returns
     -------
     Score
         What was printed.
     """
-    rows, truths = read_tracks(tracks), read_truth(truth, video)
+    rows, truths = read_tracks(tracks, identity), read_truth(truth, video)
     result = score(circles(rows), truths, start)
     if not result.visible + result.absent:
         raise ValueError(f"{truth} holds no frames from frame {start} on")

@@ -1,0 +1,117 @@
+"""Each frame through a `MultiTracker`: `follow_several`."""
+
+import contextlib
+import time
+from collections.abc import Iterable, Iterator
+from typing import Any, Protocol
+
+import msgspec
+
+from matchset.app.exit_codes import StopRequest
+from matchset.app.several.chosen import PickedTarget
+from matchset.app.several.target_rows import TargetsRow, targets_row
+from matchset.app.track.loop import UNDECODED, between
+from matchset.image.frame import Frame
+from matchset.tracking.many.multi_tracker import MultiTracker
+from matchset.tracking.many.target import Target
+from matchset.tracking.track import Lost
+
+Targets = tuple[Target[Any], ...]
+
+
+class FollowedFrame(msgspec.Struct, frozen=True):
+    """One frame and the answers for all targets.
+
+    Parameters
+    ----------
+    frame : Frame or None
+        The frame; None if it could not be decoded.
+    answer : tuple of Target
+        What the tracker returned.
+    row : TargetsRow
+        The same for the table.
+    seconds : float
+        Computing time of the tracker, s.
+    """
+
+    frame: Frame | None
+    answer: Targets
+    row: TargetsRow
+    seconds: float = 0.0
+
+
+class FrameTargets(Protocol):
+    """What follows targets from frame to frame."""
+
+    def update(self, frame: Frame) -> Targets:
+        """Track all targets in a frame."""
+        ...
+
+
+class TargetsFollower:
+    """Puts frames through a tracker of several targets, with the clicks in their frames.
+
+    Parameters
+    ----------
+    tracker : MultiTracker
+    picks : iterable of PickedTarget
+    finds : bool
+        Whether the tracker finds all by itself; then what is clicked may be followed already.
+    """
+
+    def __init__(self, tracker: MultiTracker, picks: Iterable[PickedTarget], finds: bool) -> None:
+        self._tracker, self._finds = tracker, finds
+        self._picks = sorted(picks, key=lambda pick: pick.frame)
+
+    def update(self, frame: Frame) -> Targets:
+        """Track all targets in a frame.
+
+        Raises
+        ------
+        ValueError
+            If two clicks are on one target.
+        """
+        while self._picks and self._picks[0].frame <= frame.index:
+            pick = self._picks.pop(0)
+            # What is found without a click is on what was clicked, or there are as many as are wanted.
+            with contextlib.suppress(*([ValueError] if self._finds else [])):
+                self._tracker.add(pick.point, pick.label)
+        return tuple(self._tracker.update(frame))
+
+
+def follow_several(
+    frames: Iterable[Frame], follower: FrameTargets, gaps: bool, stop: StopRequest, whole: bool = True
+) -> Iterator[FollowedFrame]:
+    """Track a video frame by frame, see `matchset.app.track.loop.follow`.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+    follower : FrameTargets
+    gaps : bool
+        Whether a gap in the frames' indices is a frame that could not be decoded.
+    stop : StopRequest
+        Checked after each frame.
+    whole : bool
+        Whether the video is used from its beginning.
+
+    Yields
+    ------
+    FollowedFrame
+        One for each frame, in order.
+    """
+    last: Frame | None = None
+    answer: Targets = ()
+    for frame in frames:
+        if gaps and (whole or last is not None):
+            for index, moment in between(last, frame):
+                lost = tuple(msgspec.structs.replace(each, track=Lost(UNDECODED, moment)) for each in answer)
+                yield FollowedFrame(None, lost, targets_row(index, moment, lost))
+        # The time of this thread only: the recorder's thread runs meanwhile.
+        begin = time.thread_time()
+        answer = follower.update(frame)
+        seconds = time.thread_time() - begin
+        yield FollowedFrame(frame, answer, targets_row(frame.index, frame.time, answer), seconds)
+        last = frame
+        if stop:
+            return

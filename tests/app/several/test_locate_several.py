@@ -1,0 +1,81 @@
+"""`matchset locate` with several balls: poses by identity, and what is refused."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import matchset as ms
+from blue_ball import Matchset
+from matchset.app.locate.rows import read_poses
+from several_balls import FRAMES, RADIUS, SIZE, picture, places, write_pictures
+
+LENS = "--fov", "60", "--diameter", "0.3"
+FOCAL = 0.5 * SIZE[0] / math.tan(math.radians(30.0))
+
+
+@pytest.fixture(scope="module")
+def balls(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_pictures(tmp_path_factory.mktemp("several") / "balls")
+
+
+def test_each_ball_has_poses_under_its_identity(
+    matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("locate", balls, *LENS, "--pick", "60,60", "--pick", "160,190", "--jsonl", "-o", "out") == 0
+    with Path("out/poses.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0])[-3:] == ["identity", "label", "alternatives"]
+    assert {(row["identity"], row["label"]) for row in rows} == {("0", "1"), ("1", "2")}
+    for identity, ball in ((0, 0), (1, 2)):
+        poses = read_poses("out/poses.csv", identity)
+        assert len(poses) >= FRAMES - 2
+        for pose in poses:
+            x, _ = places(pose.frame)[ball]
+            assert pose.values is not None
+            assert pose.values["z"] == pytest.approx(0.15 * FOCAL / RADIUS, rel=0.07)
+            assert pose.values["x"] / pose.values["z"] == pytest.approx((x - SIZE[0] / 2) / FOCAL, abs=0.03)
+    with pytest.raises(ValueError, match=r"holds several targets \(0, 1\)"):
+        read_poses("out/poses.csv")
+    assert Path("out/summary.png").exists()
+    assert "2 targets in 24 frames" in capsys.readouterr().out
+
+
+def test_a_named_color_locates_all_of_it(matchset: Matchset, balls: Path) -> None:
+    ms.ColorModel.pick(picture(0), 60, 60).save("blue.npz")
+    assert matchset("locate", balls, *LENS, "--color", "sea=blue.npz", "--print", "-o", "out") == 0
+    assert len(read_poses("out/poses.csv", 0)) > FRAMES / 2 < len(read_poses("out/poses.csv", 1))
+
+
+def test_one_ball_is_located_as_ever(matchset: Matchset, balls: Path) -> None:
+    assert matchset("locate", balls, *LENS, "--pick", "60,60", "--no-video", "-o", "out") == 0
+    assert Path("out/poses.csv").read_text().splitlines()[0].endswith(",observed,reason")
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(picture(0), 60, 60), start=(60, 60))
+    localizer = ms.Localizer(ms.CameraModel.from_fov(*SIZE, math.radians(60.0)), ms.BallTarget(0.3))
+    for frame, row in zip(ms.Video(str(balls)), read_poses("out/poses.csv"), strict=True):
+        pose = localizer.update(tracker.update(frame))
+        assert isinstance(pose, ms.Pose)
+        assert row.values is not None
+        assert np.array([row.values[name] for name in "xyz"]) == pytest.approx(pose.position, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((*LENS, "--most", "2"), "--most is of several targets"),
+        ((*LENS, "--all", "--marker-pick", "60,60"), "markers and --mavlink are of one ball"),
+        ((*LENS, "--all", "--mavlink", "mavlink:udpout:127.0.0.1:14550"), "markers and --mavlink are of one ball"),
+        (("--fov", "60", "--all"), "say how large the ball is"),
+        (("--diameter", "0.3", "--all"), "say what the camera is like"),
+    ],
+)
+def test_misuse_is_one_line(
+    matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], words: str
+) -> None:
+    assert matchset("locate", balls, "--pick", "60,60", *options) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+    assert words in line
+    assert list(Path().iterdir()) == []

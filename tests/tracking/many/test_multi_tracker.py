@@ -158,6 +158,16 @@ def test_what_is_added_is_followed_and_nothing_else_if_nothing_is_searched_for()
         tracker.remove(7)
 
 
+def test_what_is_not_named_is_not_followed_either_while_another_one_is_hidden() -> None:
+    tracker = ms.MultiTracker(ms.Circle, picked([(60.0, 60.0)]), finds=False)
+    tracker.add((60.0, 60.0))
+    for k in range(40):
+        places = [(200.0, 120.0), (330.0, 180.0), *([(60.0, 60.0)] if k < 5 else [])]
+        targets = tracker.update(drawn(places))
+        assert len(targets) <= 1
+    assert not found(targets)
+
+
 def test_a_point_where_nothing_is_is_forgotten() -> None:
     tracker = ms.MultiTracker(ms.Circle, picked([(60.0, 60.0)]), finds=False)
     tracker.add((300.0, 150.0))

@@ -1,5 +1,6 @@
 """Several targets at once: each keeps its identity while others cross or hide it.
 
-Read `multi_tracker` first. `followed` is one target with its tracker, `motion_bank` how all of them move, `sightings`
-what is seen in a frame, `association` who is where, `strip_search` finds those that nobody follows yet.
+Read `multi_tracker` first, then `tracklet`: what is followed without a gap, and whose it may be. `observer` says what is
+seen in a frame, `linking` decides whose it is, `motion_bank` filters how all of them move. `sightings`, `strip_search`
+and `field_timing` are what the observer uses.
 """

@@ -129,6 +129,17 @@ def test_labels_are_those_of_the_colors() -> None:
     assert {each.label: round(found(targets)[each.identity][0]) for each in targets} == {"blue": 80, "green": 300}
 
 
+def test_a_hidden_target_is_not_found_in_one_of_another_color() -> None:
+    colors = {"blue": picked([(80.0, 80.0)]), "green": picked([(80.0, 80.0)], GREEN)}
+    tracker = ms.MultiTracker(ms.Circle, colors)
+    for k in range(24):
+        blue = k < 10
+        image = drawn([(80.0, 80.0)], BLUE if blue else GREEN)
+        targets = tracker.update(image)
+        assert {each.label for each in targets if each.track} <= {"blue" if blue else "green"}
+    assert {each.label: each.identity for each in targets} == {"blue": 0, "green": 1}
+
+
 def test_families_may_differ() -> None:
     image = drawn([(80.0, 80.0)])
     cv2.rectangle(image, (260, 120), (340, 180), GREEN, -1)

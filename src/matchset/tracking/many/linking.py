@@ -102,7 +102,9 @@ class Linking:
             place, _ = predicted.likeliest(each.slot)
             for tracklet, sighting in seen.items():
                 reach = self.limits.touching * max(place.half_width, sighting.place.half_width)
-                if each in tracklet.hypotheses or place.distance(sighting.place) > reach:
+                if each.label != tracklet.label or each in tracklet.hypotheses:
+                    continue
+                if place.distance(sighting.place) > reach:
                     continue
                 if tracklet.is_certain:
                     owner = next(iter(tracklet.hypotheses))
@@ -140,14 +142,14 @@ class Linking:
         for sighting in fresh:
             tracklet = Tracklet(sighting.label, sighting)
             for each in () if sighting.requested else self.targets:
-                if each.tracklet is not None and each.tracklet.is_certain:
+                if each.label != sighting.label or (each.tracklet is not None and each.tracklet.is_certain):
                     continue
                 explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
                 likely = sighting.sure or explained.log > self.limits.chance
                 if explained.squared < self.limits.gate and likely:
                     slot = self._slot_after(each, sighting, explained.halted, time)
                     tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
-            if sighting.sure and len(self.targets) + len(begun) < self.most:
+            if sighting.sure and self._count_with([*self.tracklets, *begun]) < self.most:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
                 tracklet.hypotheses[new] = Hypothesis(new.slot, score)
@@ -159,6 +161,11 @@ class Linking:
                 begun.append(tracklet)
         self.tracklets += begun
         return begun
+
+    def _count_with(self, tracklets: Sequence[Tracklet]) -> int:
+        """Count the targets, with the new ones that tracklets in doubt may be of."""
+        known = set(self.targets)
+        return len(known) + sum(not known.issuperset(each.hypotheses) for each in tracklets)
 
     def _slot_after(self, each: Followed, sighting: Sighting, halted: bool, time: float) -> int:
         """Return filters as a target's after a sighting; one that has halted may go on in any direction."""
@@ -194,7 +201,7 @@ class Linking:
                     tracklet.doubted >= self.limits.decide or self._margin(table, row, column, cost) > self.limits.clear
                 ):
                     self._settle(tracklet, columns[column])
-            self._remove_taken()
+            dropped += self._remove_taken()
         for tracklet in self.tracklets:
             owner = next((each for each in tracklet.hypotheses if each.tracklet is tracklet), None)
             if owner is not None:
@@ -243,19 +250,19 @@ class Linking:
         if owner not in self.targets:
             self.targets.append(owner)
 
-    def _remove_taken(self) -> None:
-        """Remove hypotheses with targets that are certainly elsewhere."""
-        for tracklet in list(self.tracklets):
-            if tracklet.is_certain:
+    def _remove_taken(self) -> list[Tracklet]:
+        """Remove hypotheses of targets that are certainly elsewhere; return the tracklets that have no other."""
+        dropped = list[Tracklet]()
+        for tracklet in [each for each in self.tracklets if not each.is_certain]:
+            taken = [each for each in tracklet.hypotheses if each.tracklet not in (None, tracklet)]
+            taken = [each for each in taken if each.tracklet is not None and each.tracklet.is_certain]
+            if len(taken) == len(tracklet.hypotheses):
+                self._drop(tracklet)
+                dropped.append(tracklet)
                 continue
-            for each in list(tracklet.hypotheses):
-                if (
-                    each.tracklet is not None
-                    and each.tracklet is not tracklet
-                    and each.tracklet.is_certain
-                    and len(tracklet.hypotheses) > 1
-                ):
-                    self.bank.free(tracklet.hypotheses.pop(each).slot)
+            for each in taken:
+                self.bank.free(tracklet.hypotheses.pop(each).slot)
+        return dropped
 
     def _drop(self, tracklet: Tracklet) -> None:
         """Forget a tracklet that can be of no target."""

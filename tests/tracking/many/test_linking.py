@@ -68,6 +68,8 @@ def test_two_that_are_seen_again_behind_each_other_have_gone_on() -> None:
     a, b = scene.linking.tracklets
     assert a.owner() is one
     assert b.owner() is other
+    assert one.slot == a.hypotheses[one].slot
+    assert other.slot == b.hypotheses[other].slot
     assert a.is_certain
     assert b.is_certain
 

@@ -9,7 +9,7 @@ import msgspec
 
 from matchset.app.exit_codes import StopRequest
 from matchset.app.several.chosen import PickedTarget
-from matchset.app.several.target_rows import TargetsRow, targets_row
+from matchset.app.several.target_rows import TargetRow, TargetsRow, targets_row
 from matchset.app.track.loop import UNDECODED, between
 from matchset.image.frame import Frame
 from matchset.tracking.many.multi_tracker import MultiTracker
@@ -36,7 +36,7 @@ class FollowedFrame(msgspec.Struct, frozen=True):
 
     frame: Frame | None
     answer: Targets
-    row: TargetsRow
+    row: TargetsRow[TargetRow]
     seconds: float = 0.0
 
 

@@ -13,7 +13,8 @@ from matchset.app.several.chosen import check_targets, chosen_targets
 from matchset.app.several.counts import TargetCounts, print_counts
 from matchset.app.several.follow import TargetsFollower
 from matchset.app.several.painter import TargetsPainter, TargetsSummary
-from matchset.app.several.poses import LocatedTargets, PoseTable, TargetsLocator, locate_several
+from matchset.app.several.poses import LocatedTargets, TargetsLocator, locate_several, target_pose_columns
+from matchset.app.several.target_rows import TargetTable
 from matchset.app.track.loop import exit_code
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.shapes.circle import Circle
@@ -45,9 +46,10 @@ def run_locate_several(options: LocateOptions) -> int:
         locator = TargetsLocator(TargetsFollower(tracker, chosen.picks, chosen.finds), camera, ball)
         folder = output_folder(options.out, "locate", options.force)
         counts, out = TargetCounts(), sys.stderr if options.to_stdout else sys.stdout
-        files = [folder / "poses.csv", *([folder / "poses.jsonl"] if options.jsonl else []), folder / "latency.csv"]
+        jsonl = folder / "poses.jsonl" if options.jsonl else None
+        files = [folder / "poses.csv", *([] if jsonl is None else [jsonl]), folder / "latency.csv"]
         try:
-            table, latency = PoseTable(folder, options.jsonl), latency_table(folder)
+            table, latency = TargetTable(folder / "poses.csv", target_pose_columns(), jsonl), latency_table(folder)
             wanted = WantedPictures.of(options, "locate", folder, video)
             pictures = _pictures(wanted, (video.width, video.height), locator)
             outputs = Outputs[LocatedTargets](table, pictures, latency)

@@ -1,8 +1,6 @@
-"""Where several balls are in meters: their rows in `poses.csv` (`PoseTable`), and each frame (`locate_several`)."""
+"""Where several balls are in meters: their rows in `poses.csv`, and each frame (`locate_several`)."""
 
-import operator
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -10,9 +8,8 @@ import msgspec
 from matchset.app.exit_codes import StopRequest
 from matchset.app.locate.rows import PoseRow, pose_columns, pose_row
 from matchset.app.several.follow import Targets, TargetsFollower, follow_several
-from matchset.app.several.target_rows import counted_words
-from matchset.app.tables import Cells, Column, RowWriter
-from matchset.app.track.rows import FrameRow
+from matchset.app.several.target_rows import TargetsRow, whose_columns
+from matchset.app.tables import Column
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
@@ -30,49 +27,12 @@ class TargetPoseRow(PoseRow, frozen=True):
     alternatives: tuple[int, ...] = ()
 
 
-class PosesRow(FrameRow, frozen=True):
-    """The poses of all balls in one frame.
-
-    Parameters
-    ----------
-    targets : tuple of TargetPoseRow
-    """
-
-    targets: tuple[TargetPoseRow, ...] = ()
-
-    @property
-    def found(self) -> bool:
-        """Whether one of them is located."""
-        return any(each.found for each in self.targets)
-
-    @property
-    def reason(self) -> str:
-        """Why none is; empty where one is."""
-        if self.found:
-            return ""
-        return self.targets[0].reason if self.targets else "no target was found yet"
-
-    @property
-    def brief(self) -> str:
-        """How many are located, for the status line."""
-        return counted_words(self.targets)
+PosesRow = TargetsRow[TargetPoseRow]
 
 
-class PoseTable(RowWriter[PosesRow]):
-    """Writes a `poses.csv` of several balls, in a folder, and `poses.jsonl`, if it is wanted."""
-
-    def __init__(self, folder: Path, jsonl: bool) -> None:
-        columns = [
-            *pose_columns(),
-            Column("identity", operator.attrgetter("identity")),
-            Column("label", operator.attrgetter("label")),
-            Column("alternatives", lambda row: " ".join(map(str, row.alternatives))),
-        ]
-        super().__init__(folder / "poses.csv", columns, folder / "poses.jsonl" if jsonl else None)
-
-    def lines(self, row: PosesRow) -> list[Cells]:
-        """Return the values by column name, for each ball."""
-        return [{column.name: column.value(each) for column in self.columns} for each in row.targets]
+def target_pose_columns() -> list[Column]:
+    """Return the columns of `poses.csv` of several balls."""
+    return [*pose_columns(), *whose_columns()]
 
 
 class LocatedTargets(msgspec.Struct, frozen=True):

@@ -14,7 +14,7 @@ from matchset.app.several.counts import TargetCounts, print_counts
 from matchset.app.several.follow import FollowedFrame, TargetsFollower, follow_several
 from matchset.app.several.mot_file import noted
 from matchset.app.several.painter import TargetsPainter, TargetsSummary, target_words
-from matchset.app.several.target_rows import TargetTable
+from matchset.app.several.target_rows import TargetTable, target_columns
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.track.loop import exit_code
 from matchset.app.track.options import TrackOptions
@@ -65,7 +65,8 @@ def _outputs(
 ) -> Outputs[FollowedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
     jsonl = folder / "tracks.jsonl" if options.jsonl else None
-    table, latency = TargetTable(folder / "tracks.csv", family.parameters, jsonl), latency_table(folder)
+    columns = target_columns(family.parameters)
+    table, latency = TargetTable(folder / "tracks.csv", columns, jsonl), latency_table(folder)
     labels = tuple(chosen.colors)
     painter = TargetsPainter((video.width, video.height), target_words(len(labels) > 1))
     pictures = RunPictures[FollowedFrame](

@@ -2,14 +2,16 @@
 
 import operator
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import msgspec
 
+from matchset.app.locate.rows import PoseRow
 from matchset.app.tables import Cells, Column, RowWriter
 from matchset.app.track.rows import FrameRow, TrackRow, track_columns, track_row
 from matchset.tracking.many.target import Target
+
+R = TypeVar("R", bound=TrackRow | PoseRow)
 
 
 class TargetRow(TrackRow, frozen=True):
@@ -30,15 +32,15 @@ class TargetRow(TrackRow, frozen=True):
     alternatives: tuple[int, ...] = ()
 
 
-class TargetsRow(FrameRow, frozen=True):
+class TargetsRow(FrameRow, Generic[R], frozen=True):
     """The answers for all targets in one frame.
 
     Parameters
     ----------
-    targets : tuple of TargetRow
+    targets : tuple of TargetRow or TargetPoseRow
     """
 
-    targets: tuple[TargetRow, ...] = ()
+    targets: tuple[R, ...] = ()
 
     @property
     def found(self) -> bool:
@@ -63,7 +65,7 @@ def counted_words(rows: Sequence[Any]) -> str:
     return f"{sum(each.found for each in rows)} of {len(rows)} targets" if rows else ""
 
 
-def targets_row(frame: int, time: float, targets: Sequence[Target[Any]]) -> TargetsRow:
+def targets_row(frame: int, time: float, targets: Sequence[Target[Any]]) -> TargetsRow[TargetRow]:
     """Turn the answers for a frame into its rows."""
     return TargetsRow(frame, time, tuple(target_row(frame, each) for each in targets))
 
@@ -76,29 +78,21 @@ def target_row(frame: int, target: Target[Any]) -> TargetRow:
 
 def target_columns(parameters: Sequence[str]) -> list[Column]:
     """Return the columns of `tracks.csv` of several targets: those of one, and behind them whose row it is."""
+    return [*track_columns(parameters), *whose_columns()]
+
+
+def whose_columns() -> list[Column]:
+    """Return the columns that say whose a row is."""
     return [
-        *track_columns(parameters),
         Column("identity", operator.attrgetter("identity")),
         Column("label", operator.attrgetter("label")),
         Column("alternatives", lambda row: " ".join(map(str, row.alternatives))),
     ]
 
 
-class TargetTable(RowWriter[TargetsRow]):
-    """Writes a `tracks.csv` of several targets.
+class TargetTable(RowWriter[TargetsRow[Any]]):
+    """Writes a table of several targets, and JSON lines, if these are wanted; see `RowWriter`."""
 
-    Parameters
-    ----------
-    csv_path : Path
-    parameters : sequence of str
-        The names of the shape's parameters.
-    jsonl_path : Path, optional
-        Where to write the same rows as JSON lines.
-    """
-
-    def __init__(self, csv_path: Path, parameters: Sequence[str], jsonl_path: Path | None = None) -> None:
-        super().__init__(csv_path, target_columns(parameters), jsonl_path)
-
-    def lines(self, row: TargetsRow) -> list[Cells]:
+    def lines(self, row: TargetsRow[Any]) -> list[Cells]:
         """Return the values by column name, for each target."""
         return [{column.name: column.value(each) for column in self.columns} for each in row.targets]

@@ -195,25 +195,30 @@ def _resting(place: Floats) -> Callable[[float], Floats]:
     return lambda _: place
 
 
+def marked(place: Floats, turn: Rotation) -> tuple[ms.Frame, ms.Track[ms.Circle], tuple[float, float]]:
+    """A picture of a ball at a place, m, turned so; its track, and where its marker is seen, px."""
+    flight = BallFlightClip(
+        camera=PINHOLE, place=_resting(place), turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
+        preset="clean",
+    )  # fmt: skip
+    frame = next(iter(flight))
+    tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=tuple(PINHOLE.project(place[np.newaxis])[0].tolist()))
+    ball = tracker.update(frame)
+    (marker,) = ms.MarkerTracker(PURPLE, BALLOON).update(frame, ball)
+    assert isinstance(ball, ms.Track)
+    return frame, ball, (marker.shape.x, marker.shape.y)
+
+
 @pytest.mark.parametrize("apart", [(0.0, 14.0), (6.0, -9.0), (-8.0, 0.0)])
 def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float, float]) -> None:
     turn, target = looking(15.0, 40.0), BALLOON
     pictures, places, circles = [], [], []
     for sign in (1.0, -1.0):  # even rows, odd rows
         shift = sign * 0.5 * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*apart, 0.0))
-        place = PLACE + shift
-        flight = BallFlightClip(
-            camera=PINHOLE, place=_resting(place), turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
-            preset="clean",
-        )  # fmt: skip
-        frame = next(iter(flight))
-        tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=tuple(PINHOLE.project(place[np.newaxis])[0].tolist()))
-        ball = tracker.update(frame)
-        (marker,) = ms.MarkerTracker(PURPLE, target).update(frame, ball)
-        assert isinstance(ball, ms.Track)
+        frame, ball, place = marked(PLACE + shift, turn)
         pictures.append(frame.image)
         circles.append(ball.shape.state)
-        places.append((marker.shape.x, marker.shape.y))
+        places.append(place)
     both = pictures[0].copy()
     both[1::2] = pictures[1][1::2]
     whole = ms.Track(
@@ -229,19 +234,10 @@ def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float
 def test_a_marker_in_half_frames_is_where_the_new_rows_show_it(moved: tuple[float, float]) -> None:
     turn, pictures, balls, places = looking(15.0, 40.0), [], [], []
     for k in range(4):
-        place = PLACE + k * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*moved, 0.0))
-        flight = BallFlightClip(
-            camera=PINHOLE, place=_resting(place), turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
-            preset="clean",
-        )  # fmt: skip
-        frame = next(iter(flight))
-        tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=tuple(PINHOLE.project(place[np.newaxis])[0].tolist()))
-        ball = tracker.update(frame)
-        (marker,) = ms.MarkerTracker(PURPLE, BALLOON).update(frame, ball)
-        assert isinstance(ball, ms.Track)
+        frame, ball, place = marked(PLACE + k * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*moved, 0.0)), turn)
         pictures.append(frame.image)
         balls.append(ball)
-        places.append((marker.shape.x, marker.shape.y))
+        places.append(place)
     finder, woven = ms.MarkerTracker(PURPLE, BALLOON), pictures[0]
     for k, (picture, ball) in enumerate(zip(pictures, balls, strict=True)):
         woven = woven.copy()

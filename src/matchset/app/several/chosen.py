@@ -106,8 +106,7 @@ def chosen_targets(video: Video, options: TypedOptions, ball: bool) -> ChosenTar
             radius = (learned.color.circle or (0.0, 0.0, 0.0))[2]
             picks.append(_apart(picks, PickedTarget(learned.start, learned.frame, label, radius)))
     finds = options.several.every or not picks
-    # What looks like one that is hidden for a while is no target of a click: there is no room for others.
-    return ChosenTargets(colors, tuple(picks), finds, most if finds else len(picks), tuple(taken))
+    return ChosenTargets(colors, tuple(picks), finds, most, tuple(taken))
 
 
 def _singles(target: SeveralTargetOptions) -> list[SeveralTargetOptions]:

@@ -18,7 +18,7 @@ FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes fo
 class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How tracklets are linked with targets.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    All chosen on rendered crowds, seeds 7 to 12 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
     show a change.
 
     Parameters
@@ -136,7 +136,7 @@ class Linking:
         else:
             self.bank.note(slots, sightings, time)
 
-    def begin(self, fresh: Sequence[Sighting], predicted: Predicted, time: float) -> list[Tracklet]:
+    def begin(self, fresh: Sequence[Sighting], predicted: Predicted, time: float) -> None:
         """Begin tracklets with what nobody follows yet: each is of a target that is not seen for certain, or new."""
         begun = list[Tracklet]()
         for sighting in fresh:
@@ -160,7 +160,6 @@ class Linking:
                         each.probe = each.probed = None
                 begun.append(tracklet)
         self.tracklets += begun
-        return begun
 
     def _count_with(self, tracklets: Sequence[Tracklet]) -> int:
         """Count the targets, with the new ones that tracklets in doubt may be of."""
@@ -203,8 +202,7 @@ class Linking:
                     self._settle(tracklet, columns[column])
             dropped += self._remove_taken()
         for tracklet in self.tracklets:
-            owner = next((each for each in tracklet.hypotheses if each.tracklet is tracklet), None)
-            if owner is not None:
+            if (owner := tracklet.target) is not None:
                 owner.sightings += 1
                 if tracklet.is_certain:
                     owner.seen, owner.last = time, tracklet.sighting

@@ -25,7 +25,7 @@ TINY = 1e-9  # format: a probability of nearly nothing, whose logarithm is a num
 class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How targets are expected to move; lengths in half-widths of the target.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    All chosen on rendered crowds, seeds 7 to 12 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
     show a change.
 
     Parameters

@@ -79,7 +79,7 @@ class Observer:
         self._labels = list(colors)
         self._fields = FieldTiming(parameters.fields)
 
-    def tracker(self, label: str) -> Tracker[Any]:
+    def _tracker(self, label: str) -> Tracker[Any]:
         """Return a tracker that nobody uses."""
         if self._spare[label]:
             return self._spare[label].pop()
@@ -92,9 +92,13 @@ class Observer:
     def take_back(self, tracklet: Tracklet) -> None:
         """Take back the tracker of a tracklet that has ended."""
         if tracklet.tracker is not None:
-            tracklet.tracker.restart()
-            self._spare[tracklet.label].append(tracklet.tracker)
+            self._keep(tracklet.label, tracklet.tracker)
             tracklet.tracker = None
+
+    def _keep(self, label: str, tracker: Tracker[Any]) -> None:
+        """Keep a tracker that nobody uses any more, as if it were new."""
+        tracker.restart()
+        self._spare[label].append(tracker)
 
     def request(self, label: str, what: tuple[float, float] | Shape) -> None:
         """Look for what is at a point, px, or for a shape, from the next frame on.
@@ -141,12 +145,11 @@ class Observer:
                 tracks = self._searches[request.label].near(frame, Gate(x, y, 0.0), places)
                 tracks = [track for track in tracks if _holds(place_of(track.shape), (x, y))]
             else:
-                tracker = self.tracker(request.label)
+                tracker = self._tracker(request.label)
                 tracker.start(request.what)
                 answer = tracker.update(frame)
                 tracks = [answer] if isinstance(answer, Track) else []
-                tracker.restart()
-                self._spare[request.label].append(tracker)
+                self._keep(request.label, tracker)
             found += [sighting_of(track, sigmas, request.label)._replace(requested=True) for track in tracks[:1]]
             if tracks or frame.time - request.since > self._limits.requested:
                 self.requests.remove(request)
@@ -161,7 +164,7 @@ class Observer:
         seen, ended, sigmas = dict[Tracklet, Sighting](), list[Tracklet](), self._limits.motion.center_sigmas
         for each in tracklets:
             if each.tracker is None:
-                each.tracker = self.tracker(each.label)
+                each.tracker = self._tracker(each.label)
                 each.restarts = self._limits.restarts
             if each.restarts > 0:
                 each.tracker.step.fields = self._fields.moments
@@ -192,7 +195,8 @@ class Observer:
         self, frame: Frame, seen: dict[Tracklet, Sighting], ended: list[Tracklet]
     ) -> dict[Tracklet, Sighting]:
         """Of tracklets that see one outline keep the one with most support, and end the others."""
-        reach = self._limits.merge.field_distance
+        limits = self._limits.merge
+        reach = limits.field_distance
         if not near_pairs([sighting.place for sighting in seen.values()], reach):
             return seen
         ordered = sorted(seen, key=lambda tracklet: -seen[tracklet].track.support)
@@ -202,8 +206,9 @@ class Observer:
             if first in merged or second in merged:
                 continue
             one, other = seen[ordered[first]], seen[ordered[second]]
-            if self._same(frame, one, other):
-                seen[ordered[first]] = self._both(frame, one, other)
+            fields = self._are_fields(frame, one, other)
+            if fields or _are_near(one, other, limits.distance, limits.log_size):
+                seen[ordered[first]] = of_both(one, other) if fields else one
                 ended.append(ordered[second])
                 merged.add(second)
         return {each: seen[each] for k, each in enumerate(ordered) if k not in merged}
@@ -220,35 +225,23 @@ class Observer:
         others += [predicted.likeliest(target.slot)[0] for target in hidden if target not in each.hypotheses]
         return any(place.distance(other) < place.half_width + other.half_width for other in others)
 
-    def _same(self, frame: Frame, one: Sighting, other: Sighting) -> bool:
-        limits = self._limits.merge
-        far, change = _apart(one.place, other.place)
-        return (far < limits.distance and change < limits.log_size) or self._are_fields(frame, one, other)
-
     def _are_fields(self, frame: Frame, one: Sighting, other: Sighting) -> bool:
         limits, (far, change) = self._limits.merge, _apart(one.place, other.place)
         if not (limits.field_near < far < limits.field_distance and change < limits.field_log_size):
             return False
         return are_fields(channels_last(frame.image), self._colors[one.label], (one.place, other.place), limits)
 
-    def _both(self, frame: Frame, one: Sighting, other: Sighting) -> Sighting:
-        return of_both(one, other) if self._are_fields(frame, one, other) else one
-
     def _add(self, frame: Frame, fresh: list[Sighting], sighting: Sighting, known: Sequence[Sighting]) -> None:
         """Add a sighting, unless it is one that is known."""
-        limits = self._limits.merge
+        near = self._limits.merge.fresh_distance, self._limits.merge.fresh_log_size
         for other in known:
-            far, change = _apart(other.place, sighting.place)
-            if (far < limits.fresh_distance and change < limits.fresh_log_size) or self._are_fields(
-                frame, other, sighting
-            ):
+            if _are_near(other, sighting, *near) or self._are_fields(frame, other, sighting):
                 return
         for k, other in enumerate(fresh):
-            far, change = _apart(other.place, sighting.place)
             if self._are_fields(frame, other, sighting):
                 fresh[k] = of_both(other, sighting)
                 return
-            if far < limits.fresh_distance and change < limits.fresh_log_size:
+            if _are_near(other, sighting, *near):
                 if sighting.track.support > other.track.support:
                     fresh[k] = sighting._replace(sure=sighting.sure or other.sure)
                 return
@@ -273,7 +266,7 @@ class Observer:
             if probes == self._limits.probes:
                 break
             probes += 1
-            tracker = each.probe = each.probe or self.tracker(each.label)
+            tracker = each.probe = each.probe or self._tracker(each.label)
             since = passed if each.probed is None else min(frame.time - each.probed, 1.0)
             tracker.step.fields = self._fields.moments
             start(tracker, each.last, (place, velocity), since)
@@ -333,6 +326,11 @@ def near_pairs(places: Sequence[Gate], distance: float) -> list[tuple[int, int]]
 
 def _holds(place: Gate, point: tuple[float, float]) -> bool:
     return math.hypot(place.x - point[0], place.y - point[1]) < place.half_width
+
+
+def _are_near(one: Sighting, other: Sighting, distance: float, log_size: float) -> bool:
+    far, change = _apart(one.place, other.place)
+    return far < distance and change < log_size
 
 
 def _apart(one: Gate, other: Gate) -> tuple[float, float]:

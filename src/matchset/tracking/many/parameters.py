@@ -22,7 +22,7 @@ ONE_OF_SEVERAL = TrackerParameters(
 class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How several targets are followed.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    All chosen on rendered crowds, seeds 7 to 12 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
     show a change.
 
     Parameters

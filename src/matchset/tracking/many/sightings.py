@@ -20,7 +20,7 @@ LEAST = 0.1  # format: support by which a sighting is weighed at least
 class MergeParameters(msgspec.Struct, frozen=True, kw_only=True):
     """When two sightings are of one target.
 
-    All chosen on rendered crowds, seeds 7 to 9 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
+    All chosen on rendered crowds, seeds 7 to 12 (docs/log/tracking.md#association); `python -m benchmarks.crowds` would
     show a change.
 
     Parameters

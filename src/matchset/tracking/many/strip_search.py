@@ -154,8 +154,7 @@ class StripSearch:
         searcher = self._searchers.get((columns, rows))
         if searcher is None:
             searcher = self._searchers[columns, rows] = Searcher(columns, rows, self.parameters.grid, self._expected)
-        part = image[top : top + rows, left : left + columns]
-        part = part if part.flags.c_contiguous else np.ascontiguousarray(part)
+        part = np.ascontiguousarray(image[top : top + rows, left : left + columns])
         found: list[Track[Any]] = []
         circle = self.color.circle
         sizes = [place.half_width for place in known] + ([] if circle is None else [circle[2]])

@@ -33,8 +33,12 @@ class Followed:
         What is followed and taken for it now; None while it is not seen.
     sightings : int
         In how many frames it was seen.
-    behind : int or None
-        Identity of the target that hides it.
+    sought : float
+        When it was searched for last while it was not seen, s.
+    probe : Tracker or None
+        With which it is looked for while it is not seen.
+    probed : float or None
+        When that saw a frame last, s.
     """
 
     def __init__(self, label: str, slot: int, first: Sighting) -> None:
@@ -42,7 +46,7 @@ class Followed:
         self.identity: int | None = None
         self.since = self.seen = self.sought = first.track.time
         self.tracklet: Tracklet | None = None
-        self.sightings, self.behind = 1, None
+        self.sightings = 1
         self.probe: Tracker[Any] | None = None
         self.probed: float | None = None
 
@@ -104,6 +108,11 @@ class Tracklet:
         self.is_certain = False
         self.doubted, self.restarts = 0, 0
 
+    @property
+    def target(self) -> Followed | None:
+        """The target that it is taken for now."""
+        return next((each for each in self.hypotheses if each.tracklet is self), None)
+
     def owner(self) -> Followed:
         """Return the target whose it is most likely."""
         if self.is_certain:
@@ -112,7 +121,7 @@ class Tracklet:
 
     def start(self, predicted: Predicted, passed: float) -> None:
         """Let its tracker begin where the next frame, `passed` seconds later, should show it."""
-        owner = next((each for each in self.hypotheses if each.tracklet is self), None) or self.owner()
+        owner = self.target or self.owner()
         assert self.tracker is not None
         start(self.tracker, self.sighting, predicted.likeliest(self.hypotheses[owner].slot), passed)
 

@@ -13,6 +13,7 @@ from matchset.numeric.words import measured, one_line, short, table_of
 from matchset.shapes.described import drawing_of, unit_of
 
 S = TypeVar("S")
+A = TypeVar("A", bound="Track[Any] | Lost[Any]")
 
 
 class Mode(enum.Enum):
@@ -161,6 +162,23 @@ class Lost(msgspec.Struct, Generic[S], frozen=True):
     def _repr_html_(self) -> str:
         """Show the reason in a notebook."""
         return f"<b style='color:#c06000'>Lost</b> at {html.escape(short(self.time))} s: {html.escape(self.reason)}"
+
+
+def mirrored(answer: A, time: float, twice: float) -> A:
+    """Return what a tracker answered that was shown a frame at another time, mirrored, in the frame's own time.
+
+    Parameters
+    ----------
+    answer : Track or Lost
+    time : float
+        Of the frame, s.
+    twice : float
+        Twice the time at which times were mirrored, s.
+    """
+    if isinstance(answer, Lost) or answer.acquired is None:
+        return msgspec.structs.replace(answer, time=time)
+    acquired = time if answer.acquired.time == answer.time else twice - answer.acquired.time  # to the last bit
+    return msgspec.structs.replace(answer, time=time, acquired=msgspec.structs.replace(answer.acquired, time=acquired))
 
 
 def _root(variance: float) -> float | None:

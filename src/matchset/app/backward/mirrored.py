@@ -5,7 +5,7 @@ from typing import Any, Protocol
 import msgspec
 
 from matchset.image.frame import Frame
-from matchset.tracking.track import Lost, Track
+from matchset.tracking.track import Lost, Track, mirrored
 
 
 class FrameFollower(Protocol):
@@ -39,10 +39,4 @@ class MirroredTracker:
         if self._twice is None:
             self._twice = 2.0 * frame.time
         answer = self._tracker.update(msgspec.structs.replace(frame, time=self._twice - frame.time))
-        if isinstance(answer, Lost) or answer.acquired is None:
-            return msgspec.structs.replace(answer, time=frame.time)
-        mirrored = self._twice - answer.acquired.time
-        acquired = frame.time if answer.acquired.time == answer.time else mirrored  # of this frame: to the last bit
-        return msgspec.structs.replace(
-            answer, time=frame.time, acquired=msgspec.structs.replace(answer.acquired, time=acquired)
-        )
+        return mirrored(answer, frame.time, self._twice)

@@ -8,6 +8,8 @@ import numpy as np
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
+from matchset.media.both_ways import BothWays, PicturesBothWays
+from matchset.media.video import Video
 from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
@@ -16,6 +18,9 @@ from matchset.tracking.many.linking import Linking
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.observer import Observer
 from matchset.tracking.many.parameters import MultiTrackerParameters
+from matchset.tracking.many.smoothing.answers import TargetsAt
+from matchset.tracking.many.smoothing.smoother import Known, Smoother
+from matchset.tracking.many.smoothing.sweep import Click, Sweep
 from matchset.tracking.many.target import Target
 from matchset.tracking.many.tracklet import Followed
 from matchset.tracking.track import Lost
@@ -90,6 +95,7 @@ class MultiTracker(Copied):
         self.most = checked_count("most", most, 1, MOST)
         self.parameters, self.colors = parameters or MultiTrackerParameters(), named_colors(colors)
         families = _families(family, self.colors)
+        self._made = families, self.colors, most, self.parameters, finds, fps
         self._observer = Observer(families, self.colors, self.parameters, finds)
         self._linking = Linking(most, self.parameters.motion, self.parameters.linking)
         self._arrays = ArrayFrames(fps)
@@ -178,6 +184,53 @@ class MultiTracker(Copied):
         for tracklet in (*seen.ended, *dropped):
             observer.take_back(tracklet)
         return self._answers(frame, predicted)
+
+    def smooth(self, video: Video | Sequence[Picture], clicks: Sequence[Click] = ()) -> list[TargetsAt]:
+        """Follow all targets in a whole file, forward and backward, and find the best joint explanation of both.
+
+        What `update` only found out later is known from the beginning: a target from where it enters, whose a tracklet
+        was after two had touched, what went on where one was lost. Identities are those that `update` would have given,
+        and later numbers for what it never found. This tracker itself stays as it is: the video is followed by others
+        like it. The memory it takes, some kB for each target and frame, is that of the answers.
+
+        Parameters
+        ----------
+        video : Video, or sequence of Frame or ndarray
+            A file, which is opened anew and read twice; or pictures.
+        clicks : sequence of Click
+            What shall be followed from where it was clicked, both ways; see `add`.
+
+        Returns
+        -------
+        list of TargetsAt
+            One for each frame: between its first sighting and its last one each target is a `Track` or `Lost`.
+
+        Raises
+        ------
+        ValueError
+            If the video is live; and as by `update` and `add`.
+        TypeError
+            As by `update`.
+        """
+        smoother = self.smoother(clicks)
+        ways = BothWays(video) if isinstance(video, Video) else PicturesBothWays(video, self._arrays.fps)
+        for frame in ways.forward():
+            smoother.forward(frame)
+        for frame in ways.backward():
+            smoother.backward(frame)
+        return smoother.answers()
+
+    def smoother(self, clicks: Sequence[Click] = ()) -> Smoother:
+        """Return what `smooth` uses, for those that read a video both ways themselves."""
+        parameters, (*_, finds, _) = self.parameters, self._made
+
+        def sweep(clicked: Sequence[Click], backward: bool) -> Sweep:
+            families, colors, most, _, _, fps = self._made
+            tracker = MultiTracker(families, colors, most, parameters, finds=finds, fps=fps)
+            return Sweep(tracker, tracker._linking, clicked, not (finds or backward), backward)
+
+        known = Known(parameters.memory, parameters.motion, parameters.linking)
+        return Smoother(sweep, clicks, not finds, known, parameters.smoothing)
 
     def _checked(self, picture: Picture) -> Frame:
         """Check a picture against those before it; return it as a frame."""

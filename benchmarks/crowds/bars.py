@@ -10,7 +10,7 @@ import numpy as np
 import matchset as ms
 from benchmarks.crowds.cases import PAIR, Case, cases, color_of
 from benchmarks.crowds.crowd import Crowd
-from benchmarks.crowds.followers import Many
+from benchmarks.crowds.followers import SMOOTH, Many
 from benchmarks.crowds.rows import Row
 from matchset.sim.clips.multi_ball_clip import PositionFunction
 
@@ -90,6 +90,7 @@ def _hotas(rows: Sequence[Row]) -> list[Bar]:
     found = []
     for scene in dict.fromkeys(row.case.scene for row in rows if row.case.balls == HOTA_BALLS):
         group = [row for row in rows if row.case.scene == scene and row.case.balls == HOTA_BALLS]
+        group = [row for row in group if row.follower != SMOOTH]
         hotas = {
             key: float(np.mean([row.score.hota for row in group if row.follower == key]))
             for key in {row.follower for row in group}

@@ -12,7 +12,8 @@ from benchmarks.crowds.peers.peer import PEERS, stored
 from benchmarks.crowds.score import Answer
 
 SCORE = Path(__file__).with_name("score.py")
-OWN = {"matchset": "matchset `MultiTracker`"}
+SMOOTH = "smooth"  # the same trackers, but for a whole file
+OWN = {"matchset": "matchset `MultiTracker`", SMOOTH: "the same, `smooth`"}
 NAMES = OWN | {key: peer.name for key, peer in PEERS.items()}
 
 
@@ -45,7 +46,19 @@ class Many:
         begin = time.perf_counter()
         targets = self._tracker.update(frame)
         self.seconds = time.perf_counter() - begin
-        return [Answer(each.identity, each.track.shape) for each in targets if isinstance(each.track, ms.Track)]
+        return _seen(targets)
+
+
+def smoothed(frames: list[ms.Frame], color: ms.ColorModel) -> tuple[list[list[Answer]], float]:
+    """Answer what `MultiTracker.smooth` finds in a whole video, and what each frame took in the mean, s."""
+    begin = time.perf_counter()
+    found = ms.MultiTracker(ms.Circle, color, most=MOST).smooth(frames)
+    seconds = (time.perf_counter() - begin) / len(frames)
+    return [_seen(each.targets) for each in found], seconds
+
+
+def _seen(targets: list[ms.Target[Any]]) -> list[Answer]:
+    return [Answer(each.identity, each.track.shape) for each in targets if isinstance(each.track, ms.Track)]
 
 
 def absent(key: str) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.crowds.bars import Bar
 from benchmarks.crowds.cases import PAIR
-from benchmarks.crowds.followers import NAMES
+from benchmarks.crowds.followers import NAMES, OWN, SMOOTH
 from benchmarks.crowds.rows import Row
 
 HEAD = (
@@ -36,6 +36,9 @@ Their ms include the detection.
 *pair*: one ball hides another one of its size for a second; every third time that comes out where it went in.
 *mire*: four equal discs on a box in hands, gray pictures, labelled by hand (`benchmarks/crowds/labels`)."""
 
+ABOUT_FILES = """`MultiTracker.smooth` explains a video as a whole, read forward and backward; its ms are those of both
+readings. Beside it what `update` answers in the same crowds, which knows no later frame."""
+
 
 def page(rows: Sequence[Row], where: str, judged: Sequence[Bar] = ()) -> str:
     """Write the page."""
@@ -43,10 +46,18 @@ def page(rows: Sequence[Row], where: str, judged: Sequence[Bar] = ()) -> str:
     if judged:
         head = ["| what | bar | measured | reached |", "| --- | --- | --- | --- |"]
         parts += ["## Bars", "\n".join([*head, *(bar.line() for bar in judged)]), "## All"]
-    parts.append(table([row for row in rows if row.case.scene != PAIR]))
-    pairs = [row for row in rows if row.case.scene == PAIR]
+    live = [row for row in rows if row.follower != SMOOTH]
+    parts.append(table([row for row in live if row.case.scene != PAIR]))
+    pairs = [row for row in live if row.case.scene == PAIR]
     if pairs:
         parts += ["## One hides the other for a second", pair_table(pairs)]
+    whole = {row.case for row in rows if row.follower == SMOOTH}
+    if whole:
+        parts += [
+            "## Whole files",
+            ABOUT_FILES,
+            table([row for row in rows if row.case in whole and row.follower in OWN]),
+        ]
     return "\n\n".join(parts) + "\n"
 
 

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.crowds.cases import PAIR, Case, Watched, color_of, noted, watched
-from benchmarks.crowds.followers import Field, version
+from benchmarks.crowds.followers import SMOOTH, Field, smoothed, version
 from benchmarks.crowds.peers.peer import PEERS
 from benchmarks.crowds.score import Answer, Score, names_kept, score
 
@@ -77,6 +77,8 @@ def follow(case: Case, keys: Sequence[str], field: Field, machine: str, add: Cal
         if key in PEERS:
             known = watched(case)
             answers, seconds = follow_fed(field, key, known)
+        elif key == SMOOTH:
+            known, answers, seconds = _follow_both_ways(case)
         else:
             known, answers, seconds = _follow_pictures(field, case)
         add(_row(case, key, known, answers, seconds, machine))
@@ -104,6 +106,14 @@ def _follow_pictures(field: Field, case: Case) -> tuple[Watched, list[list[Answe
         seconds.append(follower.seconds)
         known.truth.append(noted(seen))
     return known, answers, seconds
+
+
+def _follow_both_ways(case: Case) -> tuple[Watched, list[list[Answer]], list[float]]:
+    """Let matchset's explain all pictures together; they are kept meanwhile."""
+    crowd = case.crowd()
+    pairs = [(frame, noted(seen)) for frame, seen in crowd]
+    answers, seconds = smoothed([frame for frame, _ in pairs], color_of(crowd))
+    return Watched([truth for _, truth in pairs], [], []), answers, [seconds] * len(pairs)
 
 
 def _row(

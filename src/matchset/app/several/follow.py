@@ -1,18 +1,26 @@
 """Each frame through a `MultiTracker`: `follow_several`."""
 
 import contextlib
+import sys
 import time
 from collections.abc import Iterable, Iterator
 from typing import Any, Protocol
 
 import msgspec
 
+from matchset.app.backward.before_click import NO_WAY_BACK
+from matchset.app.backward.both_ways import followed_both_ways
+from matchset.app.backward.known_answers import KnownTargets
 from matchset.app.exit_codes import StopRequest
-from matchset.app.several.chosen import PickedTarget
+from matchset.app.pictures.part import VideoPart
+from matchset.app.several.chosen import ChosenTargets, PickedTarget
+from matchset.app.several.options import TypedOptions
 from matchset.app.several.target_rows import TargetRow, TargetsRow, targets_row
 from matchset.app.track.loop import UNDECODED, between
 from matchset.image.frame import Frame
+from matchset.media.video import Video
 from matchset.tracking.many.multi_tracker import MultiTracker
+from matchset.tracking.many.smoothing.sweep import Click
 from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost
 
@@ -77,6 +85,25 @@ class TargetsFollower:
             with contextlib.suppress(*([ValueError] if self._finds else [])):
                 self._tracker.add(pick.point, pick.label)
         return tuple(self._tracker.update(frame))
+
+
+def known_targets(
+    options: TypedOptions, video: Video, tracker: MultiTracker, chosen: ChosenTargets, stop: StopRequest
+) -> KnownTargets | None:
+    """Follow a file forward and backward, if `--smooth` or clicks in later frames ask for it; else None.
+
+    Raises
+    ------
+    ValueError
+        If a live source shall be smoothed.
+    """
+    later = not chosen.finds and any(pick.frame > 0 for pick in chosen.picks)
+    if later and video.live:
+        print(f"note: {NO_WAY_BACK}", file=sys.stderr)
+    if not options.several.smooth and (video.live or not later):
+        return None
+    clicks = [Click(pick.frame, pick.point, pick.label) for pick in chosen.picks]
+    return followed_both_ways(video, tracker, clicks, VideoPart.parse(options.shown.start, options.shown.end), stop)
 
 
 def follow_several(

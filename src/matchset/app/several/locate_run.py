@@ -11,7 +11,7 @@ from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.run_folder import output_folder
 from matchset.app.several.chosen import check_targets, chosen_targets
 from matchset.app.several.counts import TargetCounts, print_counts
-from matchset.app.several.follow import TargetsFollower
+from matchset.app.several.follow import TargetsFollower, known_targets
 from matchset.app.several.painter import TargetsPainter, TargetsSummary
 from matchset.app.several.poses import LocatedTargets, TargetsLocator, locate_several, target_pose_columns
 from matchset.app.several.target_rows import TargetTable
@@ -43,7 +43,8 @@ def run_locate_several(options: LocateOptions) -> int:
         chosen = chosen_targets(video, options, True)
         parameters = MultiTrackerParameters(points=options.points)
         tracker = MultiTracker(Circle, chosen.colors, chosen.most, parameters, finds=chosen.finds)
-        locator = TargetsLocator(TargetsFollower(tracker, chosen.picks, chosen.finds), camera, ball)
+        known = known_targets(options, video, tracker, chosen, stop)
+        locator = TargetsLocator(known or TargetsFollower(tracker, chosen.picks, chosen.finds), camera, ball)
         folder = output_folder(options.out, "locate", options.force)
         counts, out = TargetCounts(), sys.stderr if options.to_stdout else sys.stdout
         jsonl = folder / "poses.jsonl" if options.jsonl else None
@@ -56,6 +57,7 @@ def run_locate_several(options: LocateOptions) -> int:
             part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
             located = locate_several(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
+            located = located if known is None else known.timed(located)
             write_frames(located, outputs, counts, video, options.to_stdout, "locating")
             files += outputs.pictures.files
         finally:

@@ -8,7 +8,7 @@ from typing import Annotated, Protocol
 import msgspec
 import typer
 
-from matchset.app.cli_options import SeveralTargetOptions, ViewOptions
+from matchset.app.cli_options import SeveralTargetOptions, ShownOptions, ViewOptions
 
 MOST = 20  # format: targets at once without --most
 _NAMED = re.compile(r"([\w .-]{1,40})=(.+)")
@@ -23,6 +23,12 @@ class SeveralOptions(msgspec.Struct, frozen=True, kw_only=True):
     most: Annotated[
         int | None, typer.Option("--most", metavar="N", help="Follow so many at once, 1 to 100; 20 without it.")
     ] = None
+    smooth: Annotated[
+        bool,
+        typer.Option(
+            "--smooth", help="Read a file forward and backward: identities are corrected by what comes later."
+        ),
+    ] = False
 
 
 class MotOptions(SeveralOptions, frozen=True, kw_only=True):
@@ -62,6 +68,11 @@ class TypedOptions(Protocol):
         ...
 
     @property
+    def shown(self) -> ShownOptions:
+        """With the part that is used."""
+        ...
+
+    @property
     def params(self) -> Path | None:
         """A file of a single tracker's parameters."""
         ...
@@ -96,8 +107,11 @@ def check_several(options: TypedOptions) -> None:
     if most is not None and not 1 <= most <= 100:
         raise ValueError(f"--most must be 1 to 100, got {most}")
     if not are_several(options):
-        if most is not None:
-            raise ValueError("--most is of several targets: give --all, --pick several times or --color NAME=FILE")
+        for option, given in (("--most", most is not None), ("--smooth", options.several.smooth)):
+            if given:
+                raise ValueError(
+                    f"{option} is of several targets: give --all, --pick several times or --color NAME=FILE"
+                )
         return
     if options.params is not None:
         raise ValueError("--params is of the tracker of one target: leave it out with --all or several targets")

@@ -7,7 +7,7 @@ import msgspec
 
 from matchset.app.exit_codes import StopRequest
 from matchset.app.locate.rows import PoseRow, pose_columns, pose_row
-from matchset.app.several.follow import Targets, TargetsFollower, follow_several
+from matchset.app.several.follow import FrameTargets, Targets, follow_several
 from matchset.app.several.target_rows import TargetsRow, whose_columns
 from matchset.app.tables import Column
 from matchset.camera.camera_model import CameraModel
@@ -49,7 +49,7 @@ class TargetsLocator:
 
     Parameters
     ----------
-    follower : TargetsFollower
+    follower : FrameTargets
     camera : CameraModel
     ball : BallTarget
 
@@ -59,7 +59,7 @@ class TargetsLocator:
         Of the balls in the last frame.
     """
 
-    def __init__(self, follower: TargetsFollower, camera: CameraModel, ball: BallTarget) -> None:
+    def __init__(self, follower: FrameTargets, camera: CameraModel, ball: BallTarget) -> None:
         self._follower, self._camera, self._ball = follower, camera, ball
         self._localizers: dict[int, Localizer] = {}
         self.poses: list[Pose | Lost[Pose]] = []

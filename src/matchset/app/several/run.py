@@ -11,7 +11,7 @@ from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.run_folder import output_folder
 from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_targets
 from matchset.app.several.counts import TargetCounts, print_counts
-from matchset.app.several.follow import FollowedFrame, TargetsFollower, follow_several
+from matchset.app.several.follow import FollowedFrame, TargetsFollower, follow_several, known_targets
 from matchset.app.several.mot_file import noted
 from matchset.app.several.painter import TargetsPainter, TargetsSummary, target_words
 from matchset.app.several.target_rows import TargetTable, target_columns
@@ -41,7 +41,8 @@ def run_several(options: TrackOptions) -> int:
         chosen = chosen_targets(video, options, family is Circle)
         parameters = MultiTrackerParameters(points=options.points)
         tracker = MultiTracker(family, chosen.colors, chosen.most, parameters, finds=chosen.finds)
-        follower = TargetsFollower(tracker, chosen.picks, chosen.finds)
+        known = known_targets(options, video, tracker, chosen, stop)
+        follower = known or TargetsFollower(tracker, chosen.picks, chosen.finds)
         folder = output_folder(options.out, "track", options.force)
         counts, out = TargetCounts(), sys.stderr if options.to_stdout else sys.stdout
         files = tables_of(options, folder)
@@ -50,6 +51,7 @@ def run_several(options: TrackOptions) -> int:
             part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
             frames = follow_several(used, follower, gaps=not video.live, stop=stop, whole=part.start is None)
+            frames = frames if known is None else known.timed(frames)
             frames = noted(frames, options.several.mot, options.force, options.source)
             write_frames(frames, outputs, counts, video, options.to_stdout)
             files += outputs.pictures.files

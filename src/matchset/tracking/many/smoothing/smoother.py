@@ -88,17 +88,10 @@ class Smoother:
         self._back.update(frame)
 
     def answers(self) -> list[TargetsAt]:
-        """Return what is where in every frame.
-
-        Raises
-        ------
-        ValueError
-            If not all frames that were taken forward were taken backward.
-        """
+        """Return what is where in every frame; where `backward` has not come to, by the forward reading alone."""
         ahead = self._ahead.outlines()
         back = [] if self._back is None else self._back.outlines()
-        if len(back) != len(ahead):
-            raise ValueError(f"backward must be as many frames as forward, {len(ahead)}, got {len(back)}")
+        back = [[] for _ in range(len(ahead) - len(back))] + back
         times, limits, known = [each.time for each in self._moments], self._limits, self._known
         odds = MotionOdds(times, limits.odds, known.motion, known.linking)
         chaining = Chaining(times, known.memory, limits.chaining, odds)

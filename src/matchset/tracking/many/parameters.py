@@ -7,7 +7,7 @@ from matchset.tracking.many.field_timing import FieldTimingParameters
 from matchset.tracking.many.linking import LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters
 from matchset.tracking.many.sightings import MergeParameters
-from matchset.tracking.many.smoothing.smoother import SmoothingParameters
+from matchset.tracking.many.smoothing.smoother import BothWaysParameters
 from matchset.tracking.many.strip_search import StripSearchParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
@@ -60,7 +60,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     linking : LinkingParameters
     merge : MergeParameters
     search : StripSearchParameters
-    smoothing : SmoothingParameters
+    smoothing : BothWaysParameters
     tracker : TrackerParameters
         Of each target's tracker; it must not search the whole frame.
     """
@@ -83,5 +83,5 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     linking: LinkingParameters = LinkingParameters()
     merge: MergeParameters = MergeParameters()
     search: StripSearchParameters = StripSearchParameters()
-    smoothing: SmoothingParameters = SmoothingParameters()
+    smoothing: BothWaysParameters = BothWaysParameters()
     tracker: TrackerParameters = ONE_OF_SEVERAL

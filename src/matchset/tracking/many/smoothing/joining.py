@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from matchset.tracking.many.sightings import Sighting
-from matchset.tracking.many.smoothing.sweep import Outline
+from matchset.tracking.many.smoothing.sweep import OwnedSighting
 
 NOBODY = -1  # format: owner, and tracklet, of what a reading did not see
 
@@ -99,7 +99,7 @@ class Segment:
 
 
 def segments(
-    forward: Sequence[Sequence[Outline]], backward: Sequence[Sequence[Outline]], limits: JoiningParameters
+    forward: Sequence[Sequence[OwnedSighting]], backward: Sequence[Sequence[OwnedSighting]], limits: JoiningParameters
 ) -> list[Segment]:
     """Join two readings, both frame by frame in order of time, into segments, in order of their first frames."""
     seen = [
@@ -123,13 +123,15 @@ def single_frames(seen: Sequence[Seen]) -> list[Seen]:
     return [best[frame] for frame in sorted(best)]
 
 
-def _one_each(outlines: Sequence[Outline]) -> list[Outline]:
-    """Return one outline of each owner: a certain one, or that with most support."""
-    ordered = sorted(outlines, key=lambda each: (each.is_certain, each.sighting.track.support))
+def _one_each(sightings: Sequence[OwnedSighting]) -> list[OwnedSighting]:
+    """Return one sighting of each owner: a certain one, or that with most support."""
+    ordered = sorted(sightings, key=lambda each: (each.is_certain, each.sighting.track.support))
     return list({each.owner: each for each in ordered}.values())
 
 
-def _of_frame(frame: int, ahead: Sequence[Outline], back: Sequence[Outline], limits: JoiningParameters) -> list[Seen]:
+def _of_frame(
+    frame: int, ahead: Sequence[OwnedSighting], back: Sequence[OwnedSighting], limits: JoiningParameters
+) -> list[Seen]:
     """Join the outlines of a frame."""
     costs = [[_apart(one.sighting, other.sighting, limits) for other in back] for one in ahead]
     table = np.array(costs).reshape(len(ahead), len(back))
@@ -140,7 +142,7 @@ def _of_frame(frame: int, ahead: Sequence[Outline], back: Sequence[Outline], lim
     return found + [_seen(frame, None, back[k]) for k in alone]
 
 
-def _seen(frame: int, ahead: Outline | None, back: Outline | None) -> Seen:
+def _seen(frame: int, ahead: OwnedSighting | None, back: OwnedSighting | None) -> Seen:
     """Make one of what both readings saw, or one of them."""
     both = [each for each in (ahead, back) if each is not None]
     best = max(both, key=lambda each: each.sighting.track.support)

@@ -14,7 +14,7 @@ from matchset.tracking.many.smoothing.motion_odds import MotionOdds, MotionOddsP
 from matchset.tracking.many.smoothing.sweep import Click, Sweep
 
 
-class SmoothingParameters(msgspec.Struct, frozen=True, kw_only=True):
+class BothWaysParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How both readings of a video are explained together.
 
     Parameters
@@ -59,7 +59,7 @@ class Smoother:
     seeks : bool
         Whether a reading finds nothing by itself; then the backward one begins with what the forward one saw last.
     known : Known
-    limits : SmoothingParameters
+    limits : BothWaysParameters
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Smoother:
         clicks: Sequence[Click],
         seeks: bool,
         known: Known,
-        limits: SmoothingParameters,
+        limits: BothWaysParameters,
     ) -> None:
         self._sweep, self._clicks, self._seeks, self._known, self._limits = sweep, list(clicks), seeks, known, limits
         self._ahead = sweep(self._clicks, False)
@@ -89,8 +89,8 @@ class Smoother:
 
     def answers(self) -> list[TargetsAt]:
         """Return what is where in every frame; where `backward` has not come to, by the forward reading alone."""
-        ahead = self._ahead.outlines()
-        back = [] if self._back is None else self._back.outlines()
+        ahead = self._ahead.sightings()
+        back = [] if self._back is None else self._back.sightings()
         back = [[] for _ in range(len(ahead) - len(back))] + back
         times, limits, known = [each.time for each in self._moments], self._limits, self._known
         odds = MotionOdds(times, limits.odds, known.motion, known.linking)

@@ -45,7 +45,7 @@ class SeveralFollower(Protocol):
         ...
 
 
-class Outline(NamedTuple):
+class OwnedSighting(NamedTuple):
     """An outline in a frame, and whose it was taken for in the end.
 
     Attributes
@@ -95,7 +95,7 @@ class Sweep:
     Attributes
     ----------
     identities : list of (int or None)
-        Those that the tracker gave its targets, by their numbers in `Outline.owner`.
+        Those that the tracker gave its targets, by their numbers in `OwnedSighting.owner`.
     """
 
     def __init__(
@@ -130,9 +130,9 @@ class Sweep:
             self._notes.setdefault(tracklet, []).append(noted)
         self._count += 1
 
-    def outlines(self) -> list[list[Outline]]:
+    def sightings(self) -> list[list[OwnedSighting]]:
         """Return what was seen and taken for a target, frame by frame in order of time."""
-        frames: list[list[Outline]] = [[] for _ in range(self._count)]
+        frames: list[list[OwnedSighting]] = [[] for _ in range(self._count)]
         numbers: dict[Followed, int] = {}
         for tracklet, notes in enumerate(self._notes.values()):
             owner: Followed | None = notes[-1].owner
@@ -140,15 +140,15 @@ class Sweep:
                 owner = noted.owner if noted.is_certain or owner is None else owner
                 if owner is not None:
                     number = numbers.setdefault(owner, len(numbers))
-                    frames[noted.place].append(Outline(noted.sighting, number, tracklet, noted.is_certain))
+                    frames[noted.place].append(OwnedSighting(noted.sighting, number, tracklet, noted.is_certain))
         self.identities = [each.identity for each in numbers]
         return frames[::-1] if self._backward else frames
 
     def last_seen(self, indices: Sequence[int]) -> list[Click]:
         """Return where each target was seen last, as clicks; `indices` of the frames in order of time."""
         last: dict[int, Click] = {}
-        for index, outlines in zip(indices, self.outlines(), strict=True):
-            for each in outlines:
+        for index, sightings in zip(indices, self.sightings(), strict=True):
+            for each in sightings:
                 last[each.owner] = Click(index, each.sighting.track.shape, each.sighting.label)
         return list(last.values())
 

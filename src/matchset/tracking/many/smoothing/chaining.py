@@ -123,7 +123,8 @@ class Chaining:
                 if self._times[begins[other]] - self._times[one.end] > self._memory:
                     break
                 later = one.begin < begins[other] and one.end < segments[other].end
-                if later and one.label == segments[other].label:
+                near = self._odds.is_near(one.seen[-1], segments[other].seen[0])
+                if later and near and one.label == segments[other].label:
                     yield number, other
 
     def _pair(self, one: Segment, other: Segment) -> float:
@@ -133,7 +134,8 @@ class Chaining:
             end, begin = one.end, other.begin
             one = Segment([each for each in one.seen if each.frame < begin])
             other = Segment([each for each in other.seen if each.frame > end])
-        return sum(self._odds.odds(one, other)) / 2.0 + self._agreed(one, other) - self._limits.overlapped * common
+        odds = 0.5 * (self._odds.forward(one, other) + self._odds.backward(one, other))
+        return odds + self._agreed(one, other) - self._limits.overlapped * common
 
     def _agreed(self, one: Segment, other: Segment) -> float:
         """Log-odds of what the readings themselves said."""
@@ -163,13 +165,18 @@ class Chaining:
             return 0.0
         before, after = around
         odds, agreed = list[float](), 0.0
-        if before is not None and self._times[segment.begin] - self._times[before.end] <= self._memory:
-            odds.append(self._odds.odds(before, segment)[0])
+        if before is not None and self._may_follow(before.seen[-1], segment.seen[0]):
+            odds.append(self._odds.forward(before, segment))
             agreed = self._agreed(before, segment)
-        if after is not None and self._times[after.begin] - self._times[segment.end] <= self._memory:
-            odds.append(self._odds.odds(segment, after)[1])
+        if after is not None and self._may_follow(segment.seen[-1], after.seen[0]):
+            odds.append(self._odds.backward(segment, after))
             agreed = max(agreed, self._agreed(segment, after))
         return sum(odds) / len(odds) + agreed if odds else 0.0
+
+    def _may_follow(self, before: Seen, after: Seen) -> bool:
+        """Whether sightings are near enough, in time and place."""
+        passed = self._times[after.frame] - self._times[before.frame]
+        return passed <= self._memory and self._odds.is_near(before, after)
 
 
 def best_links(count: int, links: Sequence[tuple[int, int, float]]) -> dict[int, int]:

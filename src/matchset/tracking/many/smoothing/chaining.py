@@ -1,7 +1,8 @@
 """Which segments are of one target: decided for all together (`chains`)."""
 
 import bisect
-import itertools
+import heapq
+import math
 from collections.abc import Iterator, Sequence
 
 import msgspec
@@ -31,6 +32,8 @@ class ChainingParameters(msgspec.Struct, frozen=True, kw_only=True):
         In how many frames two readings may see the end of a segment beside the beginning of the one that goes on.
     overlapped : float
         What each of these frames costs: a target is in one place.
+    nearest : int
+        Into how many of the nearest chains it is tried to put a short segment.
     """
 
     least: int = 5
@@ -38,6 +41,7 @@ class ChainingParameters(msgspec.Struct, frozen=True, kw_only=True):
     followed: float = 4.0
     overlap: int = 5
     overlapped: float = 2.0
+    nearest: int = 4
 
 
 class _Chain:
@@ -147,10 +151,12 @@ class Chaining:
     def _fill(self, chains: Sequence[_Chain], segments: Sequence[Segment], context: int) -> list[Segment]:
         """Put short segments where they fit in, the likeliest first; return those that fit nowhere."""
         wanted = list[tuple[float, int, int]]()
-        for (number, segment), (place, chain) in itertools.product(enumerate(segments), enumerate(chains)):
-            odds = self._fit(chain, segment, context)
-            if odds > 0.0:
-                wanted.append((odds, number, place))
+        for number, segment in enumerate(segments):
+            far = [(_distance(chain, segment), place) for place, chain in enumerate(chains)]
+            for _, place in heapq.nsmallest(self._limits.nearest, far):
+                odds = self._fit(chains[place], segment, context)
+                if odds > 0.0:
+                    wanted.append((odds, number, place))
         rest = set(range(len(segments)))
         for _, number, place in sorted(wanted, reverse=True):
             if number in rest and chains[place].around(segments[number], 1) is not None:
@@ -201,6 +207,13 @@ def best_links(count: int, links: Sequence[tuple[int, int, float]]) -> dict[int,
     at = np.concatenate((rows, none)), np.concatenate((columns, count + none))
     taken = min_weight_full_bipartite_matching(coo_array((costs, at), shape=(count, 2 * count)).tocsr())
     return {row: column for row, column in zip(*(each.tolist() for each in taken), strict=True) if column < count}
+
+
+def _distance(chain: _Chain, segment: Segment) -> float:
+    """Return how far a segment is from what a chain has before it or after it, px; infinite if it does not fit in."""
+    before, after = chain.around(segment, 1) or (None, None)
+    pairs = [(each, segment.seen[at]) for each, at in ((before, 0), (after, -1)) if each is not None]
+    return min((one.seen[0].sighting.place.distance(other.sighting.place) for one, other in pairs), default=math.inf)
 
 
 def _owners(segment: Segment) -> list[int]:

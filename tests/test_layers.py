@@ -66,6 +66,7 @@ MAY_PLOT = {
     "app/drawing/plot_style.py",
     "flight/report/plots.py",
     "app/locate/path_picture.py",
+    "app/several/paths_picture.py",
     "flight/simulate/picture.py",
 }
 LONGEST = 400  # lines

@@ -136,11 +136,15 @@ class PathLog(TimeLog):
 
     def append(self, located: LocatedFrame) -> None:
         """Append a frame."""
-        pose, numbers = located.pose, None
+        self.append_pose(located.row.time, located.pose)
+
+    def append_pose(self, time: float, pose: "Pose | Lost[Any]") -> None:
+        """Append the pose of a frame at a time, s."""
+        numbers = None
         if isinstance(pose, Pose):
             covariance = pose.covariance
             numbers = (*pose.position.tolist(), *np.diag(covariance)[:3].tolist(), float(covariance[0, 2]))
-        self.note(located.row.time, numbers)
+        self.note(time, numbers)
 
     @property
     def course(self) -> Course:

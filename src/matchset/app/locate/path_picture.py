@@ -69,12 +69,12 @@ def top_figure(path: PathLog, camera: CameraModel) -> Figure:
     linear_ticks(axes.xaxis)
     linear_ticks(axes.yaxis)
     title(axes, f"from above; shaded: ±{SIGMAS:.0f} standard deviations")
-    _frame(axes, float(np.nanmax(np.abs(x))), float(np.nanmax(z)))
+    frame_from_above(axes, float(np.nanmax(np.abs(x))), float(np.nanmax(z)))
     found = np.flatnonzero(np.isfinite(x))
     some = found[:: max(1, math.ceil(len(found) / _MAX_ELLIPSES))]
     axes.add_collection(PolyCollection(_ellipses(path, some), facecolor=OURS, edgecolor="none", alpha=0.14))
     axes.plot(x, z, color=OURS, linewidth=1.6)
-    _draw_camera(axes, camera)
+    draw_camera(axes, camera)
     _mark_times(axes, path)
     return figure
 
@@ -103,7 +103,7 @@ def _draw_deviations(axes: Axes, path: PathLog) -> None:
     label_lines(axes, labels)
 
 
-def _frame(axes: Axes, wide: float, far: float) -> None:
+def frame_from_above(axes: Axes, wide: float, far: float) -> None:
     """Show x to both sides and z from the camera on, with the same scale for both; the layout is fixed from here on."""
     figure = axes.get_figure()
     assert isinstance(figure, Figure)
@@ -118,7 +118,7 @@ def _frame(axes: Axes, wide: float, far: float) -> None:
     figure.set_layout_engine("none")
 
 
-def _draw_camera(axes: Axes, camera: CameraModel) -> None:
+def draw_camera(axes: Axes, camera: CameraModel) -> None:
     """Draw the borders of the picture as seen from above, as far as the lens model has directions there."""
     limits, middle, far = axes.get_xlim(), camera.cy, axes.get_ylim()[1]
     for ray in camera.rays(((-0.5, middle), (camera.width - 0.5, middle))):

@@ -34,7 +34,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import left_out
 
-_KEPT = {
+KEPT = {
     "camera": "--camera",
     "fov": "--fov",
     "focal_sigma": "--focal-sigma",
@@ -112,7 +112,7 @@ def _say_left_out(camera: CameraModel, ball: BallTarget, out: TextIO) -> None:
 
 def _command(options: LocateOptions, live: bool) -> FailedRun:
     """Describe the command for what is said where nothing was found."""
-    kept = kept_options(options, _KEPT) + kept_options(options.marker, _KEPT_MARKER)
+    kept = kept_options(options, KEPT) + kept_options(options.marker, _KEPT_MARKER)
     clicked = options.target.pick or ""
     return FailedRun("locate", options.source, options.topic, clicked=clicked, kept=kept, live=live, view=options.view)
 

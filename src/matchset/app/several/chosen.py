@@ -3,16 +3,29 @@
 import math
 import shlex
 import sys
+from typing import Any
 
 import msgspec
 import numpy as np
 
 from matchset.app.cli_options import SeveralTargetOptions, source_words
+from matchset.app.guidance.explain import explain_refused_click
+from matchset.app.guidance.next_command import FailedRun, kept_options
+from matchset.app.run_folder import output_folder
 from matchset.app.several.options import MOST, TypedOptions, named_color
-from matchset.app.target.target_options import LearnedTarget, check_target_options, parse_pick, target_for
+from matchset.app.target.target_options import (
+    LearnedTarget,
+    RefusedClickError,
+    check_target_options,
+    parse_pick,
+    target_for,
+)
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.media.video import Video
+from matchset.shapes.circle import Circle
+
+_KEPT = {"every": "--all", "most": "--most", "smooth": "--smooth"}
 
 
 class SharingParameters(msgspec.Struct, frozen=True):
@@ -71,6 +84,21 @@ class ChosenTargets(msgspec.Struct, frozen=True):
     most: int = MOST
     taken: tuple[Frame, ...] = ()
 
+    @property
+    def first(self) -> LearnedTarget:
+        """The first of it: what is explained where nothing was found."""
+        if self.picks:
+            pick = self.picks[0]
+            return LearnedTarget(self.colors[pick.label], pick.point, pick.frame)
+        return LearnedTarget(next(iter(self.colors.values())))
+
+
+def failed_run(options: TypedOptions, command: str, family: type[Any], kept: tuple[str, ...], live: bool) -> FailedRun:
+    """Describe a command that follows several targets, for what is said where it has found nothing."""
+    clicked = (options.target.picks or [""])[0]
+    kept += kept_options(options.several, _KEPT)
+    return FailedRun(command, options.source, options.topic, family, clicked, kept, live, options.view)
+
 
 def check_targets(options: TypedOptions) -> None:
     """Check what was typed of the targets, before the video is opened (ValueError)."""
@@ -107,6 +135,15 @@ def chosen_targets(video: Video, options: TypedOptions, ball: bool) -> ChosenTar
             picks.append(_apart(picks, PickedTarget(learned.start, learned.frame, label, radius)))
     finds = options.several.every or not picks
     return ChosenTargets(colors, tuple(picks), finds, most, tuple(taken))
+
+
+def chosen_or_explained(video: Video, options: TypedOptions, run: FailedRun) -> ChosenTargets:
+    """Return the same; where a click is refused, `why.png` says why before the error does."""
+    try:
+        return chosen_targets(video, options, run.family is Circle)
+    except RefusedClickError as refused:
+        explain_refused_click(refused, run, output_folder(options.out, run.command, options.force))
+        raise
 
 
 def _singles(target: SeveralTargetOptions) -> list[SeveralTargetOptions]:

@@ -2,21 +2,29 @@
 
 import itertools
 import sys
+from pathlib import Path
 
-from matchset.app.exit_codes import StopRequest, print_note
+from matchset.app.drawing.picture_file import write_picture
+from matchset.app.exit_codes import StopRequest
+from matchset.app.guidance.explain import Explainer
+from matchset.app.guidance.next_command import kept_options
 from matchset.app.locate.options import LocateOptions
+from matchset.app.locate.run import KEPT
 from matchset.app.locate.what_options_name import ball_target, camera_for, load_camera
 from matchset.app.pictures.part import VideoPart
 from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
+from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import output_folder
-from matchset.app.several.chosen import check_targets, chosen_targets
+from matchset.app.several.chosen import check_targets, chosen_or_explained, failed_run
 from matchset.app.several.counts import TargetCounts, print_counts
 from matchset.app.several.follow import TargetsFollower, known_targets
 from matchset.app.several.painter import TargetsPainter, TargetsSummary
-from matchset.app.several.poses import LocatedTargets, TargetsLocator, locate_several, target_pose_columns
+from matchset.app.several.poses import LocatedTargets, PathsLog, TargetsLocator, locate_several, target_pose_columns
 from matchset.app.several.target_rows import TargetTable
 from matchset.app.track.loop import exit_code
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
+from matchset.camera.camera_model import CameraModel
+from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
 from matchset.tracking.many.parameters import MultiTrackerParameters
@@ -40,39 +48,55 @@ def run_locate_several(options: LocateOptions) -> int:
         options.silence.open(options.source, options.fps, options.topic, options.view) as video,
     ):
         camera = camera_for(video, options, loaded)
-        chosen = chosen_targets(video, options, True)
+        command = failed_run(options, "locate", Circle, kept_options(options, KEPT), video.live)
+        chosen = chosen_or_explained(video, options, command)
         parameters = MultiTrackerParameters(points=options.points)
         tracker = MultiTracker(Circle, chosen.colors, chosen.most, parameters, finds=chosen.finds)
         known = known_targets(options, video, tracker, chosen, stop)
         locator = TargetsLocator(known or TargetsFollower(tracker, chosen.picks, chosen.finds), camera, ball)
         folder = output_folder(options.out, "locate", options.force)
-        counts, out = TargetCounts(), sys.stderr if options.to_stdout else sys.stdout
-        jsonl = folder / "poses.jsonl" if options.jsonl else None
-        files = [folder / "poses.csv", *([] if jsonl is None else [jsonl]), folder / "latency.csv"]
+        counts, paths, explainer = TargetCounts(), PathsLog(), Explainer(command, chosen.first)
+        out = sys.stderr if options.to_stdout else sys.stdout
+        outputs = _outputs(options, WantedPictures.of(options, "locate", folder, video), locator, video)
         try:
-            table, latency = TargetTable(folder / "poses.csv", target_pose_columns(), jsonl), latency_table(folder)
-            wanted = WantedPictures.of(options, "locate", folder, video)
-            pictures = _pictures(wanted, (video.width, video.height), locator)
-            outputs = Outputs[LocatedTargets](table, pictures, latency)
             part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
             located = locate_several(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
             located = located if known is None else known.timed(located)
-            write_frames(located, outputs, counts, video, options.to_stdout, "locating")
-            files += outputs.pictures.files
+            watched = explainer.watch(paths.record(located))
+            write_frames(watched, outputs, counts, video, options.to_stdout, "locating")
         finally:
+            files = [*_finish(options, folder, paths, camera), *outputs.pictures.files]
             print_counts(video, counts, files, out, "locating")
-        if not counts.found and not stop:
-            print_note("nothing was found: 'matchset locate' without --all says in why.png why one ball is not")
+        if not stop:
+            explainer.explain(folder, out)
     return exit_code(stop, counts)
 
 
-def _pictures(wanted: WantedPictures, size: tuple[int, int], locator: TargetsLocator) -> RunPictures[LocatedTargets]:
-    """Begin the pictures of the run."""
-    painter = TargetsPainter(size, locator.distance_words)
-    return RunPictures[LocatedTargets](
+def _outputs(
+    options: LocateOptions, wanted: WantedPictures, locator: TargetsLocator, video: Video
+) -> Outputs[LocatedTargets]:
+    """Begin the files of the run; the tables first, for a film that was begun must be closed."""
+    folder = wanted.folder
+    jsonl = folder / "poses.jsonl" if options.jsonl else None
+    table, latency = TargetTable(folder / "poses.csv", target_pose_columns(), jsonl), latency_table(folder)
+    painter = TargetsPainter((video.width, video.height), locator.distance_words)
+    pictures = RunPictures[LocatedTargets](
         wanted,
         painter.size,
         lambda frame, located: painter.paint(frame, located.answer, located.row),
         summary=TargetsSummary(locator.distance_words),
     )
+    return Outputs[LocatedTargets](table, pictures, latency)
+
+
+def _finish(options: LocateOptions, folder: Path, paths: PathsLog, camera: CameraModel) -> list[Path]:
+    """Draw the paths, if there are any; return the files of the run."""
+    files = [folder / "poses.csv", *([folder / "poses.jsonl"] if options.jsonl else []), folder / "latency.csv"]
+    if paths.any_found:
+        with announce_if_slow("drawing the paths ..."):
+            from matchset.app.several.paths_picture import paths_picture
+
+            write_picture(folder / "poses.png", paths_picture(paths.paths, camera))
+        files.append(folder / "poses.png")
+    return files

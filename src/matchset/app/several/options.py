@@ -73,6 +73,16 @@ class TypedOptions(Protocol):
         ...
 
     @property
+    def out(self) -> Path | None:
+        """The folder of the run."""
+        ...
+
+    @property
+    def force(self) -> bool:
+        """Whether files may be overwritten."""
+        ...
+
+    @property
     def params(self) -> Path | None:
         """A file of a single tracker's parameters."""
         ...

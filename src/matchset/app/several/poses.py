@@ -6,6 +6,7 @@ from typing import Any
 import msgspec
 
 from matchset.app.exit_codes import StopRequest
+from matchset.app.locate.loop import PathLog
 from matchset.app.locate.rows import PoseRow, pose_columns, pose_row
 from matchset.app.several.follow import FrameTargets, Targets, follow_several
 from matchset.app.several.target_rows import TargetsRow, whose_columns
@@ -36,10 +37,11 @@ def target_pose_columns() -> list[Column]:
 
 
 class LocatedTargets(msgspec.Struct, frozen=True):
-    """One frame, the balls in it, and their poses as rows; `seconds` of computing."""
+    """One frame, the balls in it, their poses, also as rows; `seconds` of computing."""
 
     frame: Frame | None
     answer: Targets
+    poses: tuple[Any, ...]
     row: PosesRow
     seconds: float = 0.0
 
@@ -83,6 +85,31 @@ class TargetsLocator:
         return f"{target.identity}  {float(pose.position @ pose.position) ** 0.5:.2f} m"
 
 
+class PathsLog:
+    """Where each ball was, frame by frame; 64 bytes each.
+
+    Attributes
+    ----------
+    paths : dict of int to PathLog
+        By identity.
+    """
+
+    def __init__(self) -> None:
+        self.paths: dict[int, PathLog] = {}
+
+    @property
+    def any_found(self) -> bool:
+        """Whether any ball was located."""
+        return any(path.any_found for path in self.paths.values())
+
+    def record(self, frames: Iterable[LocatedTargets]) -> Iterator[LocatedTargets]:
+        """Pass frames on, noting each."""
+        for located in frames:
+            for target, pose in zip(located.answer, located.poses, strict=True):
+                self.paths.setdefault(target.identity, PathLog()).append_pose(located.row.time, pose)
+            yield located
+
+
 def locate_several(
     frames: Iterable[Frame], locator: TargetsLocator, gaps: bool, stop: StopRequest, whole: bool = True
 ) -> Iterator[LocatedTargets]:
@@ -91,7 +118,7 @@ def locate_several(
         index, time, targets = followed.row.frame, followed.row.time, followed.answer
         poses: list[Any] = locator.poses if followed.frame is not None else [each.track for each in targets]
         rows = tuple(_row(index, each, pose) for each, pose in zip(targets, poses, strict=True))
-        yield LocatedTargets(followed.frame, targets, PosesRow(index, time, rows), followed.seconds)
+        yield LocatedTargets(followed.frame, targets, tuple(poses), PosesRow(index, time, rows), followed.seconds)
 
 
 def _row(index: int, target: Target[Any], pose: "Pose | Lost[Any]") -> TargetPoseRow:

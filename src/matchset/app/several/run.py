@@ -5,11 +5,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from matchset.app.exit_codes import StopRequest, print_note
+from matchset.app.exit_codes import StopRequest
+from matchset.app.guidance.explain import Explainer
+from matchset.app.guidance.next_command import kept_options
 from matchset.app.pictures.part import VideoPart
 from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.run_folder import output_folder
-from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_targets
+from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_or_explained, failed_run
 from matchset.app.several.counts import TargetCounts, print_counts
 from matchset.app.several.follow import FollowedFrame, TargetsFollower, follow_several, known_targets
 from matchset.app.several.mot_file import noted
@@ -21,9 +23,10 @@ from matchset.app.track.options import TrackOptions
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.run import tables_of
 from matchset.media.video import Video
-from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
 from matchset.tracking.many.parameters import MultiTrackerParameters
+
+_KEPT = {"points": "--points", "fps": "--fps"}
 
 
 def run_several(options: TrackOptions) -> int:
@@ -38,13 +41,15 @@ def run_several(options: TrackOptions) -> int:
     family = parse_shape(options.shape)
     silence, view = options.silence, options.view
     with StopRequest() as stop, silence.open(options.source, options.fps, options.topic, view) as video:
-        chosen = chosen_targets(video, options, family is Circle)
+        command = failed_run(options, "track", family, kept_options(options, _KEPT), video.live)
+        chosen = chosen_or_explained(video, options, command)
         parameters = MultiTrackerParameters(points=options.points)
         tracker = MultiTracker(family, chosen.colors, chosen.most, parameters, finds=chosen.finds)
         known = known_targets(options, video, tracker, chosen, stop)
         follower = known or TargetsFollower(tracker, chosen.picks, chosen.finds)
         folder = output_folder(options.out, "track", options.force)
-        counts, out = TargetCounts(), sys.stderr if options.to_stdout else sys.stdout
+        counts, explainer = TargetCounts(), Explainer(command, chosen.first)
+        out = sys.stderr if options.to_stdout else sys.stdout
         files = tables_of(options, folder)
         try:
             outputs = _outputs(options, folder, video, family, chosen)
@@ -53,12 +58,12 @@ def run_several(options: TrackOptions) -> int:
             frames = follow_several(used, follower, gaps=not video.live, stop=stop, whole=part.start is None)
             frames = frames if known is None else known.timed(frames)
             frames = noted(frames, options.several.mot, options.force, options.source)
-            write_frames(frames, outputs, counts, video, options.to_stdout)
+            write_frames(explainer.watch(frames), outputs, counts, video, options.to_stdout)
             files += outputs.pictures.files
         finally:
             print_counts(video, counts, files, out)
-        if not counts.found and not stop:
-            print_note("nothing was found: 'matchset track' without --all says in why.png why one target is not")
+        if not stop:
+            explainer.explain(folder, out)
     return exit_code(stop, counts)
 
 

@@ -63,6 +63,18 @@ def test_the_best_hota_of_a_crowd_is_bold_and_pairs_have_a_table_of_their_own() 
     assert "| matchset `MultiTracker` | 2 of 4 |" in text
 
 
+def test_whole_files_stand_beside_what_was_answered_live_and_are_no_rivals() -> None:
+    ten = Case("swarm", 10, 10.0, 200)
+    rows = [row(ten, hota=0.93), row(ten, "smooth", 0.97), row(ten, "sort", 0.9), row(PAIRS[0], "smooth", 0.99)]
+    live, files = page(rows, "Here.").split("## Whole files")
+    assert "smooth" not in live
+    assert "| swarm, 10 s | 10 | matchset `MultiTracker` | 0.930 |" in files
+    assert "| swarm, 10 s | 10 | the same, `smooth` | **0.970** |" in files
+    assert "SORT" not in files
+    found = {bar.what: bar for bar in bars(rows, None)}
+    assert found["HOTA, 10 balls, swarm; rank"].measured == "0.930, rank 1 of 2"
+
+
 def test_bars_are_judged() -> None:
     ten = Case("swarm", 10, 10.0, 200)
     rows = [row(ten, hota=0.93), row(ten, "sort", 0.94), row(FEW, switches=1, names=5)]

@@ -4,12 +4,14 @@ import csv
 import math
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 import matchset as ms
 from blue_ball import Matchset
 from matchset.app.locate.rows import read_poses
+from matchset.app.several.painter import color_of
 from several_balls import FRAMES, RADIUS, SIZE, picture, places, write_pictures
 
 LENS = "--fov", "60", "--diameter", "0.3"
@@ -39,7 +41,8 @@ def test_each_ball_has_poses_under_its_identity(
             assert pose.values["x"] / pose.values["z"] == pytest.approx((x - SIZE[0] / 2) / FOCAL, abs=0.03)
     with pytest.raises(ValueError, match=r"holds several targets \(0, 1\)"):
         read_poses("out/poses.csv")
-    assert Path("out/summary.png").exists()
+    for name in ("summary.png", "poses.png"):
+        assert Path("out", name).exists()
     assert "2 targets in 24 frames" in capsys.readouterr().out
 
 
@@ -59,6 +62,33 @@ def test_one_ball_is_located_as_ever(matchset: Matchset, balls: Path) -> None:
         assert isinstance(pose, ms.Pose)
         assert row.values is not None
         assert np.array([row.values[name] for name in "xyz"]) == pytest.approx(pose.position, abs=1e-6)
+
+
+def test_the_paths_have_the_colors_of_their_identities(matchset: Matchset, balls: Path) -> None:
+    command = "locate", balls, *LENS, "--pick", "60,60", "--pick", "160,190", "--no-video"
+    assert matchset(*command, "-o", "out") == 0
+    paths = cv2.imread("out/poses.png")
+    assert paths is not None
+    for identity in (0, 1):
+        assert (np.abs(paths.astype(int) - color_of(identity)).max(axis=2) < 8).sum() > 100
+    assert (np.abs(paths.astype(int) - color_of(2)).max(axis=2) < 8).sum() == 0
+
+
+def test_smooth_locates_each_ball_in_every_frame(matchset: Matchset, balls: Path) -> None:
+    command = "locate", balls, *LENS, "--pick", "60,60", "--all", "--no-video", "--smooth"
+    assert matchset(*command, "-o", "out") == 0
+    for identity in (0, 1):
+        assert [pose.frame for pose in read_poses("out/poses.csv", identity) if pose.values] == list(range(FRAMES))
+
+
+def test_where_nothing_is_found_a_picture_says_why(
+    matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = "locate", balls, *LENS, "--hsv", "50,200,200:60,255,255", "--all", "--no-video"
+    assert matchset(*command, "-o", "out") == 1
+    assert "nothing in frame 0 has this color" in capsys.readouterr().out
+    assert Path("out/why.png").exists()
+    assert not Path("out/poses.png").exists()
 
 
 @pytest.mark.parametrize(

@@ -75,6 +75,35 @@ def test_only_what_is_picked_is_followed(matchset: Matchset, balls: Path) -> Non
         assert [int(row["frame"]) for row in rows if row["identity"] == identity] == list(range(FRAMES))
 
 
+def test_smooth_has_each_target_from_where_it_enters(
+    matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = "track", balls, "--pick", BLUE_PICK, "--all", "--no-video"
+    assert matchset(*command, "--smooth", "-o", "out") == 0
+    assert f"note: followed forward and backward through {FRAMES} frames" in capsys.readouterr().err
+    rows = rows_of("out/tracks.csv")
+    assert [(int(row["frame"]), row["found"]) for row in rows] == [(k, "1") for k in range(FRAMES) for _ in (0, 1)]
+    for ball in (0, 1):
+        assert len({identity_at(rows, ball, frame) for frame in range(FRAMES)}) == 1
+    assert len(Path("out/latency.csv").read_text().splitlines()) == FRAMES + 1
+    assert matchset(*command, "--smooth", "--start", "5", "--end", "12", "-o", "part") == 0
+    part = rows_of("part/tracks.csv")
+    assert [int(row["frame"]) for row in part] == [k for k in range(5, 12) for _ in (0, 1)]
+    for row in part:
+        (whole,) = [
+            each for each in rows if each["frame"] == row["frame"] and abs(float(each["x"]) - float(row["x"])) < 9
+        ]
+        assert float(row["x"]) == pytest.approx(float(whole["x"]), abs=0.1)
+
+
+def test_a_live_source_is_not_smoothed(
+    matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("matchset.media.video.Video", Camera)
+    assert matchset("track", "0", "--pick", BLUE_PICK, "--all", "--smooth", "-o", "out") == 2
+    assert "a live source has no way back" in capsys.readouterr().err.splitlines()[-1]
+
+
 def test_picks_on_one_color_share_its_label(
     matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -199,7 +228,15 @@ def test_nothing_found_ends_with_one(matchset: Matchset, balls: Path, capsys: py
     assert rows_of("out/tracks.csv") == []
     captured = capsys.readouterr()
     assert f"0 targets in {FRAMES} frames" in captured.out
-    assert "note: nothing was found" in captured.err
+    assert "nothing in frame 0 has this color" in captured.out
+    assert "--all" in captured.out.splitlines()[-1]
+    assert cv2.imread("out/why.png") is not None
+
+
+def test_a_refused_click_is_explained(matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert matchset("track", balls, "--pick", "5,230", "--pick", BLUE_PICK, "--no-video", "-o", "out") == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith("error: ")
+    assert sorted(path.name for path in Path("out").iterdir()) == ["why.png"]
 
 
 @pytest.mark.parametrize(
@@ -208,6 +245,7 @@ def test_nothing_found_ends_with_one(matchset: Matchset, balls: Path, capsys: py
         (("--pick", "60,60", "--all", "--most", "0"), "--most must be 1 to 100, got 0"),
         (("--pick", "60,60", "--all", "--most", "101"), "--most must be 1 to 100, got 101"),
         (("--pick", "60,60", "--most", "3"), "--most is of several targets: give --all"),
+        (("--pick", "60,60", "--smooth"), "--smooth is of several targets: give --all"),
         (("--pick", "60,60", "--pick", "9,9", "--most", "1"), "--most 1 is less than the number of --pick, 2"),
         (("--pick", "60,60", "--pick", "60,60"), "--pick 60,60 is given twice"),
         (("--pick", "60,60", "--pick", "250"), "--pick is X,Y or X,Y@FRAME, as in 427,146@60, got '250'"),

@@ -29,6 +29,7 @@ MOST = 100  # format: targets at once
 
 Colors = ColorModel | Sequence[ColorModel] | Mapping[str, ColorModel]
 Families = type[Any] | Mapping[str, type[Any]]
+Clicks = Sequence[tuple[int, tuple[float, float] | Shape, str | None]]
 
 
 class MultiTracker(Copied):
@@ -185,10 +186,10 @@ class MultiTracker(Copied):
             observer.take_back(tracklet)
         return self._answers(frame, predicted)
 
-    def smooth(self, video: Video | Sequence[Picture], clicks: Sequence[Click] = ()) -> list[TargetsAt]:
+    def smooth(self, video: Video | Sequence[Picture], clicks: Clicks = ()) -> list[TargetsAt]:
         """Follow all targets in a whole file, forward and backward, and find the best joint explanation of both.
 
-        What `update` only found out later is known from the beginning: a target from where it enters, whose a tracklet
+        What `update` finds out only later is known from the beginning: a target from where it enters, whose a tracklet
         was after two had touched, what went on where one was lost. Identities are those that `update` would have given,
         and later numbers for what it never found. This tracker itself stays as it is: the video is followed by others
         like it. The memory it takes, some kB for each target and frame, is that of the answers.
@@ -197,8 +198,8 @@ class MultiTracker(Copied):
         ----------
         video : Video, or sequence of Frame or ndarray
             A file, which is opened anew and read twice; or pictures.
-        clicks : sequence of Click
-            What shall be followed from where it was clicked, both ways; see `add`.
+        clicks : sequence of (int, (float, float) or Shape, str or None)
+            What shall be followed from where it was clicked, both ways: index of the frame, then as for `add`.
 
         Returns
         -------
@@ -220,7 +221,7 @@ class MultiTracker(Copied):
             smoother.backward(frame)
         return smoother.answers()
 
-    def smoother(self, clicks: Sequence[Click] = ()) -> Smoother:
+    def smoother(self, clicks: Clicks = ()) -> Smoother:
         """Return what `smooth` uses, for those that read a video both ways themselves."""
         parameters, (*_, finds, _) = self.parameters, self._made
 
@@ -230,7 +231,7 @@ class MultiTracker(Copied):
             return Sweep(tracker, tracker._linking, clicked, not (finds or backward), backward)
 
         known = Known(parameters.memory, parameters.motion, parameters.linking)
-        return Smoother(sweep, clicks, not finds, known, parameters.smoothing)
+        return Smoother(sweep, [Click(*each) for each in clicks], not finds, known, parameters.smoothing)
 
     def _checked(self, picture: Picture) -> Frame:
         """Check a picture against those before it; return it as a frame."""

@@ -24,8 +24,9 @@ class ChainingParameters(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     least : int
         Sightings from which a segment is linked with others; shorter ones are put into the gaps that are left.
-    same : float
-        Log-odds that a reading gives two segments that it takes for one target.
+    same, kept : float
+        Log-odds that a reading gives two segments that it takes for one target; and how much more the forward one does:
+        where nothing tells two explanations apart the names stay that `update` gives.
     followed : float
         The same if its tracker went on without a gap.
     overlap : int
@@ -38,6 +39,7 @@ class ChainingParameters(msgspec.Struct, frozen=True, kw_only=True):
 
     least: int = 5
     same: float = 4.0
+    kept: float = 2.0
     followed: float = 4.0
     overlap: int = 5
     overlapped: float = 2.0
@@ -143,10 +145,11 @@ class Chaining:
 
     def _agreed(self, one: Segment, other: Segment) -> float:
         """Log-odds of what the readings themselves said."""
-        owners = sum(one.owner(side, True) == other.owner(side, False) != NOBODY for side in (0, 1))
+        ahead, back = (one.owner(side, True) == other.owner(side, False) != NOBODY for side in (0, 1))
         last, first = one.seen[-1], other.seen[0]
         trackers = sum(a == b != NOBODY for a, b in zip(last.tracklets, first.tracklets, strict=True))
-        return self._limits.same * owners + self._limits.followed * trackers * (first.frame == last.frame + 1)
+        followed = self._limits.followed * trackers * (first.frame == last.frame + 1)
+        return self._limits.same * (ahead + back) + self._limits.kept * ahead + followed
 
     def _fill(self, chains: Sequence[_Chain], segments: Sequence[Segment], context: int) -> list[Segment]:
         """Put short segments where they fit in, the likeliest first; return those that fit nowhere."""

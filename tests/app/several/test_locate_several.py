@@ -12,6 +12,8 @@ import matchset as ms
 from blue_ball import Matchset
 from matchset.app.locate.rows import read_poses
 from matchset.app.several.painter import color_of
+from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
+from matchset.sim.clips.truth import sphere_outline
 from several_balls import FRAMES, RADIUS, SIZE, picture, places, write_pictures
 
 LENS = "--fov", "60", "--diameter", "0.3"
@@ -81,6 +83,34 @@ def test_smooth_locates_each_ball_in_every_frame(matchset: Matchset, balls: Path
         assert [pose.frame for pose in read_poses("out/poses.csv", identity) if pose.values] == list(range(FRAMES))
 
 
+def test_each_ball_has_its_own_marker(matchset: Matchset) -> None:
+    """Two balloons at different places; the marker of each faces the camera."""
+    camera = ms.CameraModel.from_fov(640, 480, math.radians(60.0))
+    wide = MultiBallClip(camera=camera, paths=[path_of(-0.35), path_of(0.35)], frames=12, preset="clean")
+    writer = cv2.VideoWriter("marked.avi", cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (640, 480))
+    for frame in wide:
+        writer.write(frame.image)
+    writer.release()
+    left, right = (sphere_outline(camera, np.array(path_of(x)(0.0)), 0.14).circle() for x in (-0.35, 0.35))
+    clicks = [f"{each.x:.0f},{each.y + 0.6 * each.radius:.0f}" for each in (left, right)]
+    marker = f"{left.x:.0f},{left.y:.0f}"
+    command = "locate", "marked.avi", "--fov", "60", "--diameter", "0.28", "--marker-pick", marker, "--no-video"
+    assert matchset(*command, "--pick", clicks[0], "--pick", clicks[1], "-o", "out") == 0
+    for identity, x in ((0, -0.35), (1, 0.35)):
+        poses = read_poses("out/poses.csv", identity)
+        assert len(poses) == 12
+        turned = [pose.values for pose in poses if pose.values is not None and "yaw" in pose.values]
+        assert len(turned) > 8
+        for values in turned:
+            assert values["x"] == pytest.approx(x, abs=0.03)
+            seen_from = [values[name] for name in ("side", "height", "heading")]  # straight before each marker, m
+            assert seen_from == pytest.approx([0.0, 0.0, math.hypot(0.35, 0.02, 1.6)], abs=0.1)
+
+
+def path_of(x: float) -> PositionFunction:
+    return lambda _: (x, 0.02, 1.6)
+
+
 def test_where_nothing_is_found_a_picture_says_why(
     matchset: Matchset, balls: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -95,8 +125,8 @@ def test_where_nothing_is_found_a_picture_says_why(
     ("options", "words"),
     [
         ((*LENS, "--most", "2"), "--most is of several targets"),
-        ((*LENS, "--all", "--marker-pick", "60,60"), "markers and --mavlink are of one ball"),
-        ((*LENS, "--all", "--mavlink", "mavlink:udpout:127.0.0.1:14550"), "markers and --mavlink are of one ball"),
+        ((*LENS, "--all", "--marker-diameter", "0.06"), "--marker-diameter needs the markers' color"),
+        ((*LENS, "--all", "--mavlink", "mavlink:udpout:127.0.0.1:14550"), "--mavlink is of one ball"),
         (("--fov", "60", "--all"), "say how large the ball is"),
         (("--diameter", "0.3", "--all"), "say what the camera is like"),
     ],

@@ -46,7 +46,7 @@ KEPT = {
     "params": "--params",
     "fps": "--fps",
 }
-_KEPT_MARKER = {"marker_pick": "--marker-pick", "marker_color": "--marker-color"}
+KEPT_MARKER = {"marker_pick": "--marker-pick", "marker_color": "--marker-color"}
 
 
 def run_locate(options: LocateOptions) -> int:
@@ -57,7 +57,7 @@ def run_locate(options: LocateOptions) -> int:
     int
         The exit code.
     """
-    ball, loaded, make = _ball(options), load_camera(options), ball_tracker(options)
+    ball, loaded, make = ball_of(options), load_camera(options), ball_tracker(options)
     with (
         StopRequest() as stop,
         options.silence.open(options.source, options.fps, options.topic, options.view) as video,
@@ -95,7 +95,7 @@ def run_locate(options: LocateOptions) -> int:
     return exit_code(stop, statistics)
 
 
-def _ball(options: LocateOptions) -> BallTarget:
+def ball_of(options: LocateOptions) -> BallTarget:
     """Ball, with its markers, that is located."""
     return ball_target(
         options.diameter, options.marker_diameter, options.markers, options.marker.given, options.diameter_sigma
@@ -112,7 +112,7 @@ def _say_left_out(camera: CameraModel, ball: BallTarget, out: TextIO) -> None:
 
 def _command(options: LocateOptions, live: bool) -> FailedRun:
     """Describe the command for what is said where nothing was found."""
-    kept = kept_options(options, KEPT) + kept_options(options.marker, _KEPT_MARKER)
+    kept = kept_options(options, KEPT) + kept_options(options.marker, KEPT_MARKER)
     clicked = options.target.pick or ""
     return FailedRun("locate", options.source, options.topic, clicked=clicked, kept=kept, live=live, view=options.view)
 

@@ -179,15 +179,23 @@ def targets_for(
         Frames that were taken from a live source to learn from; they are to be tracked too.
     """
     target, taken = target_for(video, options)
-    if not marker.given:
+    color, taken = marker_color_of(video, marker, target.frame, taken)
+    if color is None:
         return target, None, taken
-    if marker.marker_pick is None:
-        color = load_color(marker.marker_color or ())
-    else:
-        x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
-        frame, taken = _frame_of(video, target.frame if index is None else index, taken)
-        color = pick_marker(frame.image, x, y)
     return msgspec.structs.replace(target, color=target.color | color), color, taken
+
+
+def marker_color_of(
+    video: Video, marker: MarkerOptions, clicked: int, taken: tuple[Frame, ...]
+) -> tuple[ColorModel | None, tuple[Frame, ...]]:
+    """Learn the color of the markers alone, as `targets_for`; `clicked`: the frame in which a ball was clicked."""
+    if not marker.given:
+        return None, taken
+    if marker.marker_pick is None:
+        return load_color(marker.marker_color or ()), taken
+    x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
+    frame, taken = _frame_of(video, clicked if index is None else index, taken)
+    return pick_marker(frame.image, x, y), taken
 
 
 def _frame_of(video: Video, index: int, taken: tuple[Frame, ...]) -> tuple[Frame, tuple[Frame, ...]]:

@@ -4,18 +4,20 @@ import itertools
 import sys
 from pathlib import Path
 
+import msgspec
+
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import StopRequest
 from matchset.app.guidance.explain import Explainer
 from matchset.app.guidance.next_command import kept_options
 from matchset.app.locate.options import LocateOptions
-from matchset.app.locate.run import KEPT
-from matchset.app.locate.what_options_name import ball_target, camera_for, load_camera
+from matchset.app.locate.run import KEPT, KEPT_MARKER, ball_of
+from matchset.app.locate.what_options_name import camera_for, load_camera, marker_color_of
 from matchset.app.pictures.part import VideoPart
 from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import output_folder
-from matchset.app.several.chosen import check_targets, chosen_or_explained, failed_run
+from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_or_explained, failed_run
 from matchset.app.several.counts import TargetCounts, print_counts
 from matchset.app.several.follow import TargetsFollower, known_targets
 from matchset.app.several.painter import TargetsPainter, TargetsSummary
@@ -24,6 +26,7 @@ from matchset.app.several.target_rows import TargetTable
 from matchset.app.track.loop import exit_code
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.camera.camera_model import CameraModel
+from matchset.image.color import ColorModel
 from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
@@ -38,22 +41,29 @@ def run_locate_several(options: LocateOptions) -> int:
     int
         The exit code.
     """
-    if options.marker.given or options.markers is not None or options.mavlink is not None:
-        raise ValueError("markers and --mavlink are of one ball: leave them out with --all or several balls")
+    if options.mavlink is not None:
+        raise ValueError("--mavlink is of one ball: leave it out with --all or several balls")
     check_targets(options)
-    ball = ball_target(options.diameter, options.marker_diameter, None, False, options.diameter_sigma)
+    ball = ball_of(options)
     loaded = load_camera(options)
     with (
         StopRequest() as stop,
         options.silence.open(options.source, options.fps, options.topic, options.view) as video,
     ):
         camera = camera_for(video, options, loaded)
-        command = failed_run(options, "locate", Circle, kept_options(options, KEPT), video.live)
-        chosen = chosen_or_explained(video, options, command)
+        command = failed_run(
+            options,
+            "locate",
+            Circle,
+            kept_options(options, KEPT) + kept_options(options.marker, KEPT_MARKER),
+            video.live,
+        )
+        chosen, marker_color = _with_markers(video, options, chosen_or_explained(video, options, command))
         parameters = MultiTrackerParameters(points=options.points)
         tracker = MultiTracker(Circle, chosen.colors, chosen.most, parameters, finds=chosen.finds)
         known = known_targets(options, video, tracker, chosen, stop)
-        locator = TargetsLocator(known or TargetsFollower(tracker, chosen.picks, chosen.finds), camera, ball)
+        follower = known or TargetsFollower(tracker, chosen.picks, chosen.finds)
+        locator = TargetsLocator(follower, camera, ball, marker_color)
         folder = output_folder(options.out, "locate", options.force)
         counts, paths, explainer = TargetCounts(), PathsLog(), Explainer(command, chosen.first)
         out = sys.stderr if options.to_stdout else sys.stdout
@@ -71,6 +81,18 @@ def run_locate_several(options: LocateOptions) -> int:
         if not stop:
             explainer.explain(folder, out)
     return exit_code(stop, counts)
+
+
+def _with_markers(
+    video: Video, options: LocateOptions, chosen: ChosenTargets
+) -> tuple[ChosenTargets, ColorModel | None]:
+    """Add the color of the markers, if there are any, to that of each ball; return that of the markers alone, too."""
+    clicked = chosen.picks[0].frame if chosen.picks else 0
+    color, taken = marker_color_of(video, options.marker, clicked, chosen.taken)
+    if color is None:
+        return chosen, None
+    colors = {label: each | color for label, each in chosen.colors.items()}
+    return msgspec.structs.replace(chosen, colors=colors, taken=taken), color
 
 
 def _outputs(

@@ -12,9 +12,11 @@ from matchset.app.several.follow import FrameTargets, Targets, follow_several
 from matchset.app.several.target_rows import TargetsRow, whose_columns
 from matchset.app.tables import Column
 from matchset.camera.camera_model import CameraModel
+from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
+from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost
@@ -47,13 +49,15 @@ class LocatedTargets(msgspec.Struct, frozen=True):
 
 
 class TargetsLocator:
-    """Follows balls, and locates each by a localizer of its own.
+    """Follows balls, and locates each by a localizer of its own, with its markers if there are any.
 
     Parameters
     ----------
     follower : FrameTargets
     camera : CameraModel
     ball : BallTarget
+    marker_color : ColorModel, optional
+        Of the markers that each ball has.
 
     Attributes
     ----------
@@ -61,24 +65,33 @@ class TargetsLocator:
         Of the balls in the last frame.
     """
 
-    def __init__(self, follower: FrameTargets, camera: CameraModel, ball: BallTarget) -> None:
-        self._follower, self._camera, self._ball = follower, camera, ball
-        self._localizers: dict[int, Localizer] = {}
+    def __init__(
+        self, follower: FrameTargets, camera: CameraModel, ball: BallTarget, marker_color: ColorModel | None = None
+    ) -> None:
+        self._follower, self._camera, self._ball, self._marker_color = follower, camera, ball, marker_color
+        self._of: dict[int, tuple[MarkerTracker | None, Localizer]] = {}
         self.poses: list[Pose | Lost[Pose]] = []
 
     def update(self, frame: Frame) -> Targets:
         """Follow all balls in a frame, and locate them."""
         targets = self._follower.update(frame)
-        known = self._localizers
-        self._localizers = {
-            each.identity: known.get(each.identity) or Localizer(self._camera, self._ball) for each in targets
-        }
-        self.poses = [self._localizers[each.identity].update(each.track) for each in targets]
+        known = self._of
+        self._of = {each.identity: known.get(each.identity) or self._new() for each in targets}
+        self.poses = []
+        for each in targets:
+            markers, localizer = self._of[each.identity]
+            seen = () if markers is None else markers.update(frame, each.track)
+            self.poses.append(localizer.update(each.track, seen))
         return targets
+
+    def _new(self) -> tuple[MarkerTracker | None, Localizer]:
+        """Make what locates one ball."""
+        markers = None if self._marker_color is None else MarkerTracker(self._marker_color, self._ball)
+        return markers, Localizer(self._camera, self._ball)
 
     def distance_words(self, target: Target[Any]) -> str:
         """Write a ball's identity and how far away it is, m."""
-        rows = self._localizers.keys()
+        rows = self._of.keys()
         pose = self.poses[list(rows).index(target.identity)] if target.identity in rows else None
         if not isinstance(pose, Pose):
             return str(target.identity)

@@ -12,10 +12,9 @@ from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
 from matchset.live.files.player import Player
 from matchset.live.files.tracking import FileTracking
-from matchset.live.targets.crossing import are_one
+from matchset.live.targets.alike import on_one
 from matchset.live.wire.messages import PageMessage
 from matchset.media.frame_list import FrameList
-from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 
 
@@ -231,15 +230,12 @@ class FilePanel(Panel):
 
 
 def same_places(one: FileTarget, other: FileTarget) -> list[int]:
-    """Return the places of the frames in which two targets were found as one ball."""
+    """Return the places of the frames in which two targets were found on one outline."""
     places = []
     for place, answer in one.found(range(min(len(one.codes), len(other.codes)))):
         twin = other.answer(place)
-        if isinstance(answer, Track) and isinstance(twin, Track):
-            a, b = answer.shape, twin.shape
-            round_ones = isinstance(a, Circle) and isinstance(b, Circle)
-            if round_ones and are_one((a.x, a.y, a.radius), (b.x, b.y, b.radius)):
-                places.append(place)
+        if isinstance(answer, Track) and isinstance(twin, Track) and on_one(answer, twin):
+            places.append(place)
     return places
 
 

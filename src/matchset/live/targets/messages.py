@@ -1,5 +1,7 @@
 """What a page says of targets."""
 
+import itertools
+from collections.abc import Iterable
 from typing import Annotated
 
 import msgspec
@@ -68,6 +70,25 @@ class Reread(PageMessage, frozen=True, tag="reread"):
     reading: Annotated[int, msgspec.Meta(ge=1, le=100)]
 
 
+class Rename(PageMessage, frozen=True, tag="rename"):
+    """Call a target by another name, which no other one has."""
+
+    target: Number
+    name: Name
+
+
+class FindAll(PageMessage, frozen=True, tag="find_all"):
+    """Follow all that looks like a target, too; `on` false: look for no more of them."""
+
+    target: Number
+    on: bool = True
+
+    @property
+    def needs(self) -> Kernels:
+        """Code that follows several."""
+        return Kernels.ALL
+
+
 class Diameter(PageMessage, frozen=True, tag="diameter"):
     """A target's diameter, m; None: not known. `sigma` is its standard deviation, m; 0: taken as exact."""
 
@@ -99,5 +120,41 @@ class FieldOfView(PageMessage, frozen=True, tag="field_of_view"):
 
 
 Begin = Pick | Outline
-Wish = Pick | Outline | Hold | Drop | Reread | Diameter | Marker | FieldOfView
-MESSAGES: tuple[type[PageMessage], ...] = (Pick, Outline, Hold, Drop, Reread, Diameter, Marker, FieldOfView)
+Wish = Pick | Outline | Hold | Drop | Reread | Rename | FindAll | Diameter | Marker | FieldOfView
+MESSAGES: tuple[type[PageMessage], ...] = (
+    Pick,
+    Outline,
+    Hold,
+    Drop,
+    Reread,
+    Rename,
+    FindAll,
+    Diameter,
+    Marker,
+    FieldOfView,
+)
+
+
+def checked_name(name: str, others: Iterable[str]) -> str:
+    """Return a name for a target without spaces around it.
+
+    Raises
+    ------
+    ValueError
+        If it is empty, has characters that cannot be seen, or is another target's.
+    """
+    stripped = name.strip()
+    if not stripped:
+        raise ValueError("a target's name must not be empty")
+    if not stripped.isprintable():
+        raise ValueError(f"a target's name must be letters that can be seen, in one line, got {name!r}")
+    if stripped.casefold() in {other.casefold() for other in others}:
+        raise ValueError(f"there is a target {stripped!r} already")
+    return stripped
+
+
+def free_name(name: str, others: Iterable[str]) -> str:
+    """Return a name that is no other target's: itself, or with a number behind it."""
+    taken = {other.casefold() for other in others}
+    names = itertools.chain([name], (f"{name} ({number})" for number in itertools.count(2)))
+    return next(each for each in names if each.casefold() not in taken)

@@ -32,6 +32,10 @@ class TargetFacts(NamedTuple):
         What its click may mean.
     reading : int
         Which of these was taken, from 1.
+    since : float or None
+        When it was found first, s; None: not yet.
+    alternatives : sequence of int
+        Numbers of the targets that it may be as well.
     """
 
     number: int
@@ -40,6 +44,8 @@ class TargetFacts(NamedTuple):
     ball: BallTarget | None = None
     readings: Sequence[str] = ()
     reading: int = 0
+    since: float | None = None
+    alternatives: Sequence[int] = ()
 
 
 def found_state(about: TargetFacts, track: Track[Any], place: TargetPlace) -> TargetState:
@@ -61,6 +67,8 @@ def found_state(about: TargetFacts, track: Track[Any], place: TargetPlace) -> Ta
         diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
         readings=list(about.readings),
         reading=about.reading,
+        since=about.since,
+        alternatives=list(about.alternatives),
     )
 
 
@@ -88,6 +96,7 @@ def lost_state(about: TargetFacts, reason: str, lost_for: float = 0.0, predicted
         diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
         readings=list(about.readings),
         reading=about.reading,
+        since=about.since,
     )
 
 

@@ -26,10 +26,9 @@ from matchset.live.targets.messages import (
     Rename,
     Reread,
     Wish,
-    checked_name,
-    free_name,
 )
 from matchset.live.targets.target import ClickedTarget, catch_up, is_beside, same_place
+from matchset.live.targets.target_facts import checked_name, free_name
 from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.target_maker import TargetMaker
 from matchset.live.vision.kept_frames import KeptFrames

@@ -1,7 +1,5 @@
 """What a page says of targets."""
 
-import itertools
-from collections.abc import Iterable
 from typing import Annotated
 
 import msgspec
@@ -133,28 +131,3 @@ MESSAGES: tuple[type[PageMessage], ...] = (
     Marker,
     FieldOfView,
 )
-
-
-def checked_name(name: str, others: Iterable[str]) -> str:
-    """Return a name for a target without spaces around it.
-
-    Raises
-    ------
-    ValueError
-        If it is empty, has characters that cannot be seen, or is another target's.
-    """
-    stripped = name.strip()
-    if not stripped:
-        raise ValueError("a target's name must not be empty")
-    if not stripped.isprintable():
-        raise ValueError(f"a target's name must be letters that can be seen, in one line, got {name!r}")
-    if stripped.casefold() in {other.casefold() for other in others}:
-        raise ValueError(f"there is a target {stripped!r} already")
-    return stripped
-
-
-def free_name(name: str, others: Iterable[str]) -> str:
-    """Return a name that is no other target's: itself, or with a number behind it."""
-    taken = {other.casefold() for other in others}
-    names = itertools.chain([name], (f"{name} ({number})" for number in itertools.count(2)))
-    return next(each for each in names if each.casefold() not in taken)

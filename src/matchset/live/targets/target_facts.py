@@ -1,7 +1,7 @@
-"""What a page is told of a target that is found, or lost: `found_state`, `lost_state`."""
+"""What a page is told of a target that is found, or lost: `found_state`, `lost_state`; and its name: `checked_name`."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -103,3 +103,28 @@ def lost_state(about: TargetFacts, reason: str, lost_for: float = 0.0, predicted
 def flat(points: Any) -> list[float]:
     """Write points as numbers one after the other, px."""
     return list(itertools.chain.from_iterable((np.rint(points * TENTH) / TENTH).tolist()))
+
+
+def checked_name(name: str, others: Iterable[str]) -> str:
+    """Return a name for a target without spaces around it.
+
+    Raises
+    ------
+    ValueError
+        If it is empty, has characters that cannot be seen, or is another target's.
+    """
+    stripped = name.strip()
+    if not stripped:
+        raise ValueError("a target's name must not be empty")
+    if not stripped.isprintable():
+        raise ValueError(f"a target's name must be letters that can be seen, in one line, got {name!r}")
+    if stripped.casefold() in {other.casefold() for other in others}:
+        raise ValueError(f"there is a target {stripped!r} already")
+    return stripped
+
+
+def free_name(name: str, others: Iterable[str]) -> str:
+    """Return a name that is no other target's: itself, or with a number behind it."""
+    taken = {other.casefold() for other in others}
+    names = itertools.chain([name], (f"{name} ({number})" for number in itertools.count(2)))
+    return next(each for each in names if each.casefold() not in taken)

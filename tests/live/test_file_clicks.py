@@ -110,7 +110,7 @@ def test_a_wrong_click_is_refused_and_does_not_play_the_video(feed: FileFeed, no
 
 
 def test_a_wrong_click_blocks_no_other(feed: FileFeed, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Trials, "verdict", lambda _, run, others: "" if run.target.number == 2 else None)
+    monkeypatch.setattr(Trials, "verdict", lambda _, run, _others: "" if run.target.number == 2 else None)
     sequence = go(feed, CLICK)
     feed.ask(Pick(sequence, center(CLICK)[0] + 20.0, center(CLICK)[1]))  # it would be tried for ever
     wait(lambda: feed.tracking.targets and feed.tracking.targets[1].known)

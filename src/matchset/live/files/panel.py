@@ -46,6 +46,10 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
         Frames.
     part : str
         Which frames are known, in words, as long as that is not the whole video.
+    first, last : int or None
+        Index of the first frame and of the last one in which it was found; null: in none yet.
+    known : int
+        Index of the last frame of which it is known whether it is there.
     version : int
         Another one whenever more is known: then its course (`/course.json`) is another one, too.
     """
@@ -57,6 +61,9 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
     found: int = 0
     lost: int = 0
     part: str = ""
+    first: int | None = None
+    last: int | None = None
+    known: int = 0
     version: int = 0
 
 
@@ -221,8 +228,20 @@ class FilePanel(Panel):
             if not self._frames.complete:
                 percent = 100.0 * target.known / (end + 1)
             part = part_of(target, self._frames).words if target.known else ""
-            name, rounded, version = target.name, round(percent, 1), target.version
-            done = TargetLine(target.number, name, line, rounded, counts[1], counts[2], part, version)
+            first, last = target.first_found(), target.last_found(len(target.codes))
+            done = TargetLine(
+                id=target.number,
+                name=target.name,
+                line=line,
+                percent=round(percent, 1),
+                found=counts[1],
+                lost=counts[2],
+                part=part,
+                first=None if first is None else self._frames[first].index,
+                last=None if last is None else self._frames[last].index,
+                known=int(np.flatnonzero(codes)[-1]) if target.known else 0,
+                version=target.version,
+            )
             kept = key, done
             self._lines = {number: each for number, each in self._lines.items() if number in self._tracking.targets}
             self._lines[target.number] = kept

@@ -6,7 +6,8 @@ const SVG = "http://www.w3.org/2000/svg";
 const AXES = ["#ff6b6b", "#69db7c", "#74a9ff"]; // x, y, z, as everywhere in matchset
 const NAMES = ["x", "y", "z"];
 
-export function drawTarget(target, color, show, chosen) {
+// `named`: with its name, since there are several.
+export function drawTarget(target, color, show, chosen, named = false) {
   const parts = [];
   if (target.found && show.outline) {
     parts.push(shape("polygon", target.outline, { stroke: "#000", "stroke-width": chosen ? 5 : 4, "stroke-opacity": 0.55 }));
@@ -24,7 +25,21 @@ export function drawTarget(target, color, show, chosen) {
     }
   }
   if (target.found && show.axes && target.axes) parts.push(...axes(target.axes));
+  const outline = target.found ? target.outline : target.predicted;
+  if (named && show.name && outline?.length) parts.push(nameAt(outline, target, color));
   return parts;
+}
+
+// The name of a target at the upper right of its outline.
+function nameAt(outline, target, color) {
+  const xs = outline.filter((_, index) => index % 2 === 0);
+  const ys = outline.filter((_, index) => index % 2);
+  const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  const name = made("text", {
+    x: right - 0.12 * (right - left), y: top + 0.12 * (bottom - top), fill: color, stroke: "#000", class: "target-name",
+  });
+  name.textContent = target.alternatives?.length ? `${target.name}?` : target.name;
+  return name;
 }
 
 // A trail is a list of [time, x, y]; where it was lost there is a gap.

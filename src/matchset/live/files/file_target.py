@@ -103,6 +103,10 @@ class FileTarget:
         """Return what was found in a frame; None if that is not known yet."""
         return self._answers.get(place)
 
+    def alternatives(self, place: int) -> tuple[int, ...]:
+        """Return the numbers of the targets that it may be as well in a frame."""
+        return self._alternatives.get(place, ())
+
     @property
     def codes(self) -> bytes:
         """UNKNOWN, FOUND or LOST by place; may end early."""
@@ -169,7 +173,7 @@ class FileTarget:
         begun = self.first_found()
         born = None if begun is None else self.answer(begun)
         since = None if born is None else born.time
-        others = self._alternatives.get(place, ())
+        others = self.alternatives(place)
         about = TargetFacts(self.number, self.name, self.shape, self.ball, self.readings, reading, since, others)
         if answer is None:
             return msgspec.structs.replace(lost_state(about, "not tracked here yet"), pending=True)

@@ -147,7 +147,7 @@ class FilePanel(Panel):
     ) -> None:
         self._frames, self._player, self._tracking, self._exports = frames, player, tracking, exports
         self._length, self._columns = length, (parameters or TimeLineParameters()).columns
-        self._lines: dict[int, tuple[tuple[int, int, bool], TargetLine]] = {}
+        self._lines: dict[int, tuple[tuple[int, int, bool, bool], TargetLine]] = {}
         self._same: tuple[list[tuple[int, int]], str] = [], ""
 
     def take(self, message: PageMessage, page: str) -> None:  # noqa: ARG002
@@ -218,7 +218,8 @@ class FilePanel(Panel):
         return self._same[1]
 
     def _line(self, target: FileTarget, end: int) -> TargetLine:
-        key = target.version, end, self._frames.complete
+        begins_later = not (target.clicked or self._tracking.busy)  # before it was found it is not there, or not known
+        key = target.version, end, self._frames.complete, begins_later
         kept = self._lines.get(target.number)
         if kept is None or kept[0] != key:
             codes = by_index(target.codes, self._frames, end)
@@ -233,7 +234,7 @@ class FilePanel(Panel):
                 id=target.number,
                 name=target.name,
                 line=line,
-                percent=round(percent, 1),
+                percent=100.0 if begins_later else round(percent, 1),
                 found=counts[1],
                 lost=counts[2],
                 part=part,

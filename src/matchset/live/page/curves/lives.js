@@ -5,7 +5,9 @@ import { SECONDS } from "./samples.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const HIGH = 16; // CSS px, of a line
-const NAME = 112; // CSS px, for the names on the left
+const ASIDE = 12; // CSS px, of a name from where its line begins
+const LETTER = 7; // CSS px, about
+const MARK = 6; // CSS px, that a mark stays inside of the ends
 const GAP = 0.5; // s without a picture, after which a stretch begins anew
 const EVERY = 200; // ms between two drawings
 
@@ -31,28 +33,26 @@ export class LifeLines {
 
   makeLine({ id, name, runs, marks }, index, width, chosen) {
     const [color, middle] = [colorOf(id), (index + 0.5) * HIGH];
-    const x = (share) => NAME + 6 + share * (width - NAME - 12);
+    const x = (share) => share * width;
     const group = made("g", { class: chosen ? "life chosen" : "life", "data-id": id });
     group.append(made("rect", { x: 0, y: index * HIGH, width, height: HIGH, class: "ground" }));
-    const words = made("text", { x: NAME - 4, y: middle, class: "of" }, shortened(name));
-    words.append(made("title", {}, name));
-    group.append(made("circle", { cx: 6, cy: middle, r: 4.5, fill: color, class: "dot" }), words);
     for (const { from, to, found } of runs) {
-      const line = { x1: x(from), x2: Math.max(x(to), x(from) + 1), y1: middle, y2: middle, stroke: color };
+      const line = { x1: x(from), x2: Math.max(x(to), x(from) + 1.5), y1: middle, y2: middle, stroke: color };
       if (found) group.append(made("line", { ...line, class: "edge" }));
       group.append(made("line", { ...line, class: found ? "found" : "lost" }));
     }
-    for (const { at, kind, words: said } of marks) {
+    for (const { at: share, kind, words: said } of marks) {
+      const at = Math.min(Math.max(x(share), MARK), width - MARK);
       const mark = made("g", { class: `mark ${kind}`, "data-kind": kind });
-      if (kind === "born") mark.append(made("circle", { cx: x(at), cy: middle, r: 5, fill: color }));
-      else mark.append(...["under", "over"].map((part) => made("path", { d: crossAt(x(at), middle), stroke: color, class: part })));
+      if (kind === "born") mark.append(made("circle", { cx: at, cy: middle, r: 5, fill: color }));
+      else mark.append(...["under", "over"].map((part) => made("path", { d: crossAt(at, middle), stroke: color, class: part })));
       mark.append(made("title", {}, `${name}: ${said}`));
       group.append(mark);
     }
+    group.append(nameAt(shortened(name), x(runs[0]?.from ?? 0), middle, width));
     group.addEventListener("click", (event) => {
       this.choose(id);
-      const at = (event.clientX - this.root.getBoundingClientRect().left - NAME - 6) / (width - NAME - 12);
-      if (at >= 0) this.go(Math.min(at, 1));
+      this.go(Math.min(Math.max((event.clientX - this.root.getBoundingClientRect().left) / width, 0), 1));
     });
     return group;
   }
@@ -127,7 +127,13 @@ export function lifeOfVideo({ id, name, line, first, last, known }, end) {
   return { id, name, runs, marks };
 }
 
-const shortened = (name) => (name.length > 15 ? `${name.slice(0, 14)}…` : name);
+// On its line, where that begins; before it where there is no room.
+function nameAt(name, begin, middle, width) {
+  const fits = begin + ASIDE + LETTER * name.length < width;
+  return made("text", { x: fits ? begin + ASIDE : begin - ASIDE, y: middle, "text-anchor": fits ? "start" : "end", class: "of" }, name);
+}
+
+const shortened = (name) => (name.length > 24 ? `${name.slice(0, 23)}…` : name);
 const crossAt = (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`;
 
 function made(kind, attributes, text = "") {

@@ -96,7 +96,8 @@ export class TargetList {
     Object.assign(input, { maxLength: LONGEST, value: row.dataset.name, autocomplete: "off" });
     input.setAttribute("aria-label", `another name for ${row.dataset.name}`);
     form.append(input);
-    const end = () => { if (form.isConnected) { form.remove(); name.hidden = false; } };
+    let open = true; // a form that goes loses the focus, too
+    const end = () => { if (open) { open = false; form.remove(); name.hidden = false; } };
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       const words = input.value.trim();

@@ -20,7 +20,7 @@ PATIENCE = 20.0  # s; only ever spent where a test fails
 
 
 class Alike:
-    """Equal balls, 30 pictures a second, that move as a function says: places of the balls by the number of the picture, the last in front."""
+    """Equal balls, 30 pictures a second, at places that a function says by the number of moves; the last in front."""
 
     def __init__(self, places: Callable[[int], list[tuple[float, float]]]) -> None:
         self.places, self.moves, self.number = places, 0, 0

@@ -140,7 +140,8 @@ export class FilePanel {
     this.tables.disabled = this.film.disabled = !line || Boolean(working);
     const part = line?.part || "";
     this.part.hidden = !part;
-    this.part.textContent = `Written now: ${part} alone, ${Math.floor(line?.percent || 0)} % of the video.`;
+    const share = Math.floor(line?.percent || 0);
+    this.part.textContent = share < 100 ? `Written now: ${part} alone, ${share} % of the video.` : `Written: ${part}, in which it is known.`;
     const offer = part ? "CSV of this part" : "CSV tables";
     if (this.tables.textContent !== offer) this.tables.textContent = offer;
     this.stop.hidden = !working;

@@ -72,7 +72,7 @@ export class Lives {
 
   note(targets, time) {
     for (const life of this.lives.values()) life.there = false;
-    for (const { id, name, found, since, pending } of targets) {
+    for (const { id, name = "", found, since, pending } of targets) {
       if (pending) continue;
       const life = this.lives.get(id) || { id, since: since ?? time, runs: [] };
       this.lives.set(id, life);

@@ -277,6 +277,18 @@ def test_a_click_on_the_marker_of_a_ball_offers_the_ball(seed: int, marker: floa
     assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
 
 
+def test_each_of_many_that_look_alike_can_be_clicked() -> None:
+    balls = [(60.0 + 130.0 * (number % 5), 60.0 + 115.0 * (number // 5)) for number in range(20)]
+    image = np.random.default_rng(0).normal(90.0, 2.0, (480, 640, 3))
+    for x, y in balls:
+        cv2.circle(image, (round(x), round(y)), 20, (210, 90, 30), cv2.FILLED, cv2.LINE_AA)
+    blurred = cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
+    for number in (0, 4, 7, 12, 15, 19):
+        x, y = balls[number]
+        state = ClickedTarget(1, Pick(1, x + 4.0, y), Frame(blurred, 0.0, 0)).update(Frame(blurred, 0.0, 0))
+        assert (state.values["x"][0], state.values["y"][0]) == pytest.approx((x, y), abs=1.0)
+
+
 def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:
     loop = Loop()
     for x, y in ((-1.0, 20.0), (260.0, 20.0), (20.0, -0.6), (20.0, 119.6)):

@@ -248,10 +248,11 @@ class RunQueue:
                 found.append(wanted)
         return found
 
-    def follow_together(self, group: FileGroup, place: int) -> None:
-        """Follow a group from a frame on, both ways."""
+    def follow_together(self, group: FileGroup, place: int, joined: FileTarget | None = None) -> None:
+        """Follow a group from a frame on, both ways; a target that has joined it is followed alone no more."""
         back = place + (group.parameters.lead if group.finds else 0)
         others = (run for run in self.all if not (isinstance(run, AlikeRun) and run.group is group))
+        others = (run for run in others if isinstance(run, AlikeRun) or run.target is not joined)
         ways = AlikeRun(group, back, True, self._reader), AlikeRun(group, place, False, self._reader)
         self.all = [*others, *ways]
 

@@ -283,8 +283,7 @@ class FileTracking(Closing):
             others = (each for each in self.targets.values() if each.number not in self._trials and each is not target)
             group = self._groups.join(target, others)
             if group is not None:
-                self._runs.forget(target)
-                self._runs.follow_together(group, place)
+                self._runs.follow_together(group, place, target)
 
     def _begin_together(self, run: AlikeRun) -> None:
         """End the runs of single targets that are followed together from here on; two on one outline are one."""

@@ -10,9 +10,10 @@ from live_videos import CLICK, FRAMES, NOTHING, Gate, center, go, opened, wait, 
 from matchset.app.track.rows import read_tracks
 from matchset.live.files.exports import KnownPart
 from matchset.live.files.file_feed import FileFeed
+from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import Export, Pause, Play, Step
 from matchset.live.files.trials import TrialParameters, Trials
-from matchset.live.targets.messages import Drop, Pick
+from matchset.live.targets.messages import Drop, Pick, Rename
 from matchset.live.targets.target import BesideParameters
 from matchset.live.wire.state import State
 
@@ -109,7 +110,7 @@ def test_a_wrong_click_is_refused_and_does_not_play_the_video(feed: FileFeed, no
 
 
 def test_a_wrong_click_blocks_no_other(feed: FileFeed, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Trials, "verdict", lambda _, run: "" if run.target.number == 2 else None)
+    monkeypatch.setattr(Trials, "verdict", lambda _, run, _others: "" if run.target.number == 2 else None)
     sequence = go(feed, CLICK)
     feed.ask(Pick(sequence, center(CLICK)[0] + 20.0, center(CLICK)[1]))  # it would be tried for ever
     wait(lambda: feed.tracking.targets and feed.tracking.targets[1].known)
@@ -178,17 +179,29 @@ def test_tables_of_a_part_say_which_part(feed: FileFeed, monkeypatch: pytest.Mon
     wait(lambda: "tracks-1.csv" in feed.panel.downloads())
 
 
-def test_two_targets_on_one_ball_are_told_with_the_first_frame(feed: FileFeed) -> None:
+def test_a_click_on_a_ball_that_is_followed_is_refused_by_its_name(feed: FileFeed, notes: list[str]) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    wait(lambda: feed.tracking.targets and not feed.tracking.busy)
+    feed.ask(Rename(1, "left hand"))
+    x, y = center(CLICK)
+    feed.ask(Pick(go(feed, CLICK), x + 2.0, y))
+    wait(lambda: (x + 2.0, y) in answers(feed))
+    assert answers(feed)[x + 2.0, y] == "that is left hand, which is followed already"
+    assert notes[-1] == "that is left hand, which is followed already"
+    assert [each.name for each in feed.tracking.targets.values()] == ["left hand"]
+
+
+def test_two_targets_on_one_outline_are_told_with_the_first_frame(feed: FileFeed) -> None:
     feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
     wait(lambda: feed.tracking.targets and not feed.tracking.busy)
     assert feed.panel.state().same == ""  # type: ignore[union-attr]
-    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
-    wait(lambda: 2 in feed.tracking.targets and not feed.tracking.busy)
-    words = f"circle 1 and circle 2 are on one ball in {FRAMES} frames, first in frame 0: correct one of them there"
+    target = feed.tracking.targets[1]
+    twin = FileTarget(2, Pick(1, *center(CLICK)), CLICK)  # such as one of another color
+    for place in range(7, 12):
+        twin.put(place, target.answer(place))  # type: ignore[arg-type]
+    feed.tracking.targets = {1: target, 2: twin}
+    words = "circle 1 and circle 2 are on one ball in 5 frames, first in frame 7: correct one of them there"
     assert feed.panel.state().same == words  # type: ignore[union-attr]
-    feed.ask(Drop(2))
-    wait(lambda: list(feed.tracking.targets) == [1])
-    assert feed.panel.state().same == ""  # type: ignore[union-attr]
 
 
 def test_a_part_with_gaps_says_so() -> None:
@@ -200,9 +213,9 @@ def test_the_next_click_waits_for_no_long_reading(feed: FileFeed, monkeypatch: p
     feed.ask(Pick(sequence, *center(CLICK)))
     wait(lambda: feed.tracking.targets and not feed.tracking.busy)
     assert feed.tracking._reader.interrupted() is False
-    gate = Gate(monkeypatch, 1)
+    gate = Gate(monkeypatch, 0)
     feed.ask(Pick(sequence, *center(CLICK)))
-    wait(lambda: 2 in feed.tracking.targets and feed.tracking.targets[2].known)
+    wait(lambda: 2 in feed.tracking.targets)
     feed.ask(Drop(2))
     assert feed.tracking._reader.interrupted() is True  # what reads now ends before its next frame
     gate.open()

@@ -19,7 +19,16 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.live.targets.drawn_outline import circle_along, shape_along
 from matchset.live.targets.followed_targets import FollowedTargets, FollowedTargetsParameters, _Trial
-from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
+from matchset.live.targets.messages import (
+    Diameter,
+    Drop,
+    FieldOfView,
+    Hold,
+    Marker,
+    Outline,
+    Pick,
+    Reread,
+)
 from matchset.live.targets.target import ClickedTarget, is_beside
 from matchset.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.live.wire.state import TargetState
@@ -149,41 +158,6 @@ def test_a_click_can_be_read_anew() -> None:
     loop.followed.close()
 
 
-def crossing(way: float, front: int, number: int) -> tuple[Frame, list[tuple[float, float]]]:
-    """Two equal balls that pass each other, one before the other, at a share of their way; and where they are, px."""
-    places = [(60.0 + 140.0 * way, 58.0), (200.0 - 140.0 * way, 62.0)]
-    image = np.random.default_rng(number).normal(90.0, 2.0, (120, 260, 3))
-    for x, y in (places[1 - front], places[front]):
-        cv2.circle(image, (round(16 * x), round(16 * y)), 18 * 16, (210, 90, 30), cv2.FILLED, cv2.LINE_AA, 4)
-    blurred = cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7)
-    return Frame(blurred.astype(np.uint8), number / 30.0, number), places
-
-
-@pytest.mark.parametrize("front", [0, 1])
-def test_two_balls_of_one_color_that_cross_keep_their_names(front: int) -> None:
-    kept, notes = KeptFrames(), list[str]()
-    followed = FollowedTargets(kept, notes.append)
-    frame, places = crossing(0.0, front, 0)
-    kept.add(1, frame)
-    for place in places:
-        followed.do(Pick(1, *place))
-    states, end, begun = list[TargetState](), time.monotonic() + PATIENCE, 0
-    while len(states) < 2 or not all(state.found for state in states):
-        assert time.monotonic() < end, (states, notes)
-        begun += 1
-        states = followed.update(crossing(0.0, front, begun)[0])
-        time.sleep(0.002)
-    for number in range(1, 31):
-        frame, places = crossing(number / 30.0, front, begun + number)
-        states = followed.update(frame)
-        found = [(state.values["x"][0], state.values["y"][0]) for state in states if state.found]
-        assert len(found) < 2 or math.dist(*found) > 4.0  # never both on one ball
-    assert [state.found for state in states] == [True, True]
-    for state, place in zip(states, places, strict=True):
-        assert (state.values["x"][0], state.values["y"][0]) == pytest.approx(place, abs=2.0)
-    followed.close()
-
-
 def test_pages_hear_what_became_of_each_click() -> None:
     loop = Loop()
     for count, place in enumerate(((120.0, 20.0), BLUE[:2], (-1.0, 5.0)), start=1):
@@ -301,6 +275,18 @@ def test_a_click_on_the_marker_of_a_ball_offers_the_ball(seed: int, marker: floa
     if marker:
         target = ClickedTarget(1, Pick(1, x, y, reading=1 + radii.index(max(radii))), frame)
     assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
+
+
+def test_each_of_many_that_look_alike_can_be_clicked() -> None:
+    balls = [(60.0 + 130.0 * (number % 5), 60.0 + 115.0 * (number // 5)) for number in range(20)]
+    image = np.random.default_rng(0).normal(90.0, 2.0, (480, 640, 3))
+    for x, y in balls:
+        cv2.circle(image, (round(x), round(y)), 20, (210, 90, 30), cv2.FILLED, cv2.LINE_AA)
+    blurred = cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
+    for number in (0, 4, 7, 12, 15, 19):
+        x, y = balls[number]
+        state = ClickedTarget(1, Pick(1, x + 4.0, y), Frame(blurred, 0.0, 0)).update(Frame(blurred, 0.0, 0))
+        assert (state.values["x"][0], state.values["y"][0]) == pytest.approx((x, y), abs=1.0)
 
 
 def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:

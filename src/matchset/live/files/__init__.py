@@ -3,6 +3,7 @@
 `frame_list` of `matchset.media` knows every frame after one plain reading, `exact_reader` there reads any of them
 again, `player` shows them.
 `file_target` holds what was found in each frame, `tracking` fills it in the background by a `run` in each direction,
-`trials` refuses wrong clicks, `exports` writes tables and films.
+those of a `file_group`, which look alike, by an `alike_run`; `trials` refuses wrong clicks, `exports` writes tables
+and films.
 `file_feed` joins them, `panel` is what the page's buttons reach.
 """

@@ -16,11 +16,14 @@ from matchset.app.drawing.annotate import TrackPainter, as_color, draw_answer
 from matchset.app.films.video_writer import FilmWriter, quick_ending
 from matchset.app.locate.annotate_pose import PosePainter
 from matchset.app.locate.loop import LocatedFrame
-from matchset.app.locate.rows import pose_row, pose_table
+from matchset.app.locate.rows import pose_columns, pose_row
 from matchset.app.run_folder import output_folder
+from matchset.app.several.poses import TargetPoseRow, target_pose_columns
+from matchset.app.several.target_rows import TargetRow, target_columns, target_row
+from matchset.app.tables import RowWriter
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.track.loop import UNDECODED
-from matchset.app.track.rows import track_row, track_table
+from matchset.app.track.rows import track_columns, track_row
 from matchset.image.frame import Frame
 from matchset.live.files.file_target import Answer, FileTarget
 from matchset.live.files.messages import Export
@@ -29,6 +32,7 @@ from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
 from matchset.media.exact_reader import ExactReader, InterruptedReadingError
 from matchset.media.frame_list import FrameList
+from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost
 
 DEFAULT_FPS = 30.0  # format: of a film whose video states no rate
@@ -142,7 +146,7 @@ class Exports(Closing):
         self._folder: Path | None = None
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
-        self._began = 0.0
+        self._began, self._several = 0.0, False
 
     def start(self, wish: Export, targets: dict[int, FileTarget]) -> None:
         """Begin to write.
@@ -163,6 +167,7 @@ class Exports(Closing):
             time.monotonic(),
         )
         others = [other for other in targets.values() if other is not target]
+        self._several = bool(others)
         part = part_of(target, self._frames)
         if wish.what == "tables":
             work = functools.partial(self._tables, target, part)
@@ -210,8 +215,8 @@ class Exports(Closing):
         left = (count - done) / rate if rate > 0.0 else None
         self.working = ExportInProgress(name, 100.0 * done / max(count, 1), rate, left)
 
-    def _answers(self, target: FileTarget, part: KnownPart) -> Iterator[tuple[int, Answer]]:
-        """Yield the indices of frames with what was found there; frames that did not decode are lost."""
+    def _answers(self, target: FileTarget, part: KnownPart) -> Iterator[tuple[int, int, Answer]]:
+        """Yield the indices of frames, their places, and what was found there; frames that did not decode are lost."""
         last = -1
         for place, answer in target.found(part.places.tolist()):
             mark = self._frames[place]
@@ -220,19 +225,25 @@ class Exports(Closing):
                 begin = (-1, 0.0) if before is None else (before.index, before.time)
                 for index in range(begin[0] + 1, mark.index):
                     share = (index - begin[0]) / (mark.index - begin[0])
-                    yield index, Lost(UNDECODED, round(begin[1] + share * (mark.time - begin[1]), 6))
-            yield mark.index, answer
+                    yield index, -1, Lost(UNDECODED, round(begin[1] + share * (mark.time - begin[1]), 6))
+            yield mark.index, place, answer
             last = mark.index
             if self._stop.is_set():
                 return
+
+    def _says_whose(self, target: FileTarget) -> bool:
+        """Whether rows say whose they are: there are several targets, or it has a name of its own."""
+        return self._several or target.name != f"{target.shape} {target.number}"
 
     def _tables(self, target: FileTarget, part: KnownPart) -> None:
         path = self._new_path(f"tracks-{target.number}{part.suffix}.csv")
         count, found = 0, 0
         localizer, parameters = target.new_localizer(), parse_shape(target.shape).parameters
-        with track_table(path, parameters) as table:
-            for index, answer in self._answers(target, part):
-                table.write(track_row(index, answer))
+        columns = target_columns(parameters) if self._says_whose(target) else track_columns(parameters)
+        with RowWriter[TargetRow](path, columns) as table:
+            for index, place, answer in self._answers(target, part):
+                said = target_row(index, Target(target.number, target.name, answer, 0.0, target.alternatives(place)))
+                table.write(said)
                 count, found = count + 1, found + (not isinstance(answer, Lost))
                 self._progress(path.name, count, len(part.places))
         words = f"{count} frames, found in {found}"
@@ -247,10 +258,13 @@ class Exports(Closing):
         folder = self._new_path(f"target-{target.number}")
         folder.mkdir(exist_ok=True)
         count = found = 0
-        with pose_table(folder, jsonl=False) as table:
-            for index, answer in self._answers(target, part):
+        columns = target_pose_columns() if self._says_whose(target) else pose_columns()
+        with RowWriter[TargetPoseRow](folder / "poses.csv", columns) as table:
+            for index, place, answer in self._answers(target, part):
                 pose = localizer.update(answer)
-                table.write(pose_row(index, pose))
+                values = msgspec.structs.asdict(pose_row(index, pose))
+                whose = target.number, target.name, target.alternatives(place)
+                table.write(TargetPoseRow(**values, identity=whose[0], label=whose[1], alternatives=whose[2]))
                 count, found = count + 1, found + isinstance(pose, Pose)
         path = self._new_path(f"poses-{target.number}{part.suffix}.csv")
         (folder / "poses.csv").replace(path)

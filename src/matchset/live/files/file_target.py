@@ -48,12 +48,18 @@ class FileTarget:
         Learned by the first click.
     readings : list of str
         What that may mean, the likeliest first.
+    clicked : bool
+        Whether a person clicked it; otherwise it was found since it looks like another one.
+    finds : bool
+        Whether all that looks like it is followed, too.
     """
 
     def __init__(self, number: int, begin: Pick | Outline, place: int) -> None:
         self.number, self.shape, self.name = number, begin.shape, f"{begin.shape} {number}"
         self.clicks: dict[int, Pick | Outline] = {place: begin}
+        self.clicked, self.finds = True, False
         self._answers: dict[int, Answer] = {}
+        self._alternatives: dict[int, tuple[int, ...]] = {}
         self._codes = bytearray()
         self.version = 0
         self.camera: CameraModel | None = None
@@ -75,23 +81,31 @@ class FileTarget:
         before = [other for other in self.clicks if other <= place]
         return click == max(before, default=min(self.clicks))
 
-    def put(self, place: int, answer: Answer) -> None:
-        """Keep what was found in a frame."""
+    def put(self, place: int, answer: Answer, alternatives: tuple[int, ...] = ()) -> None:
+        """Keep what was found in a frame, and the numbers of the targets that it may be as well."""
         if place >= len(self._codes):
             self._codes.extend(bytes(place + 1 - len(self._codes)))
         self._answers[place] = answer
+        self._alternatives.pop(place, None)
+        if alternatives:
+            self._alternatives[place] = alternatives
         self._codes[place] = LOST if isinstance(answer, Lost) else FOUND
         self.version += 1
 
     def _forget(self, begin: int, end: int) -> None:
         for place in range(begin, min(end, len(self._codes))):
             self._answers.pop(place, None)
+            self._alternatives.pop(place, None)
             self._codes[place] = UNKNOWN
         self.version += 1
 
     def answer(self, place: int) -> Answer | None:
         """Return what was found in a frame; None if that is not known yet."""
         return self._answers.get(place)
+
+    def alternatives(self, place: int) -> tuple[int, ...]:
+        """Return the numbers of the targets that it may be as well in a frame."""
+        return self._alternatives.get(place, ())
 
     @property
     def codes(self) -> bytes:
@@ -125,12 +139,42 @@ class FileTarget:
         found = self._codes.rfind(FOUND, 0, place + 1)
         return None if found < 0 else found
 
+    def first_found(self) -> int | None:
+        """Return the place of the first frame in which it was found."""
+        found = self._codes.find(FOUND)
+        return None if found < 0 else found
+
+    def nearest(self, place: int, before: bool) -> Track[Any] | None:
+        """Return where it was found nearest to a frame, before it or after it."""
+        at = self._codes.rfind(FOUND, 0, place) if before else self._codes.find(FOUND, place + 1)
+        answer = self.answer(at)
+        return answer if isinstance(answer, Track) else None
+
+    def alike(self, number: int, place: int) -> "FileTarget":
+        """Make one that looks like it and was found in a frame without a click."""
+        other = FileTarget(number, Pick(0, 0.0, 0.0, self.shape), place)
+        other.clicked, other.color, other.finds = False, self.color, self.finds
+        other.locate(self.camera, self.ball)
+        return other
+
+    def rename(self, name: str) -> None:
+        """Give it another name."""
+        self.name = name
+        self.version += 1
+
     def state(self, place: int) -> TargetState:
         """Return what the page shows of it in a frame, for the thread of the player."""
+        return msgspec.structs.replace(self._state(place), finds=self.finds)
+
+    def _state(self, place: int) -> TargetState:
         answer, pose = self.answer(place), self.pose(place)
         first = self.clicks[min(self.clicks)]
-        reading = first.reading if isinstance(first, Pick) else 0
-        about = TargetFacts(self.number, self.name, self.shape, self.ball, self.readings, reading)
+        reading = first.reading if isinstance(first, Pick) and self.readings else 0
+        begun = self.first_found()
+        born = None if begun is None else self.answer(begun)
+        since = None if born is None else born.time
+        others = self.alternatives(place)
+        about = TargetFacts(self.number, self.name, self.shape, self.ball, self.readings, reading, since, others)
         if answer is None:
             return msgspec.structs.replace(lost_state(about, "not tracked here yet"), pending=True)
         if isinstance(answer, Lost):

@@ -12,10 +12,9 @@ from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
 from matchset.live.files.player import Player
 from matchset.live.files.tracking import FileTracking
-from matchset.live.targets.crossing import are_one
+from matchset.live.targets.alike import on_one
 from matchset.live.wire.messages import PageMessage
 from matchset.media.frame_list import FrameList
-from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 
 
@@ -47,6 +46,10 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
         Frames.
     part : str
         Which frames are known, in words, as long as that is not the whole video.
+    first, last : int or None
+        Index of the first frame and of the last one in which it was found; null: in none yet.
+    known : int
+        Index of the last frame of which it is known whether it is there.
     version : int
         Another one whenever more is known: then its course (`/course.json`) is another one, too.
     """
@@ -58,6 +61,9 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
     found: int = 0
     lost: int = 0
     part: str = ""
+    first: int | None = None
+    last: int | None = None
+    known: int = 0
     version: int = 0
 
 
@@ -141,7 +147,7 @@ class FilePanel(Panel):
     ) -> None:
         self._frames, self._player, self._tracking, self._exports = frames, player, tracking, exports
         self._length, self._columns = length, (parameters or TimeLineParameters()).columns
-        self._lines: dict[int, tuple[tuple[int, int, bool], TargetLine]] = {}
+        self._lines: dict[int, tuple[tuple[int, int, bool, bool], TargetLine]] = {}
         self._same: tuple[list[tuple[int, int]], str] = [], ""
 
     def take(self, message: PageMessage, page: str) -> None:  # noqa: ARG002
@@ -212,7 +218,8 @@ class FilePanel(Panel):
         return self._same[1]
 
     def _line(self, target: FileTarget, end: int) -> TargetLine:
-        key = target.version, end, self._frames.complete
+        begins_later = not (target.clicked or self._tracking.busy)  # before it was found it is not there, or not known
+        key = target.version, end, self._frames.complete, begins_later
         kept = self._lines.get(target.number)
         if kept is None or kept[0] != key:
             codes = by_index(target.codes, self._frames, end)
@@ -222,8 +229,20 @@ class FilePanel(Panel):
             if not self._frames.complete:
                 percent = 100.0 * target.known / (end + 1)
             part = part_of(target, self._frames).words if target.known else ""
-            name, rounded, version = target.name, round(percent, 1), target.version
-            done = TargetLine(target.number, name, line, rounded, counts[1], counts[2], part, version)
+            first, last = target.first_found(), target.last_found(len(target.codes))
+            done = TargetLine(
+                id=target.number,
+                name=target.name,
+                line=line,
+                percent=100.0 if begins_later else round(percent, 1),
+                found=counts[1],
+                lost=counts[2],
+                part=part,
+                first=None if first is None else self._frames[first].index,
+                last=None if last is None else self._frames[last].index,
+                known=int(np.flatnonzero(codes)[-1]) if target.known else 0,
+                version=target.version,
+            )
             kept = key, done
             self._lines = {number: each for number, each in self._lines.items() if number in self._tracking.targets}
             self._lines[target.number] = kept
@@ -231,15 +250,12 @@ class FilePanel(Panel):
 
 
 def same_places(one: FileTarget, other: FileTarget) -> list[int]:
-    """Return the places of the frames in which two targets were found as one ball."""
+    """Return the places of the frames in which two targets were found on one outline."""
     places = []
     for place, answer in one.found(range(min(len(one.codes), len(other.codes)))):
         twin = other.answer(place)
-        if isinstance(answer, Track) and isinstance(twin, Track):
-            a, b = answer.shape, twin.shape
-            round_ones = isinstance(a, Circle) and isinstance(b, Circle)
-            if round_ones and are_one((a.x, a.y, a.radius), (b.x, b.y, b.radius)):
-                places.append(place)
+        if isinstance(answer, Track) and isinstance(twin, Track) and on_one(answer, twin):
+            places.append(place)
     return places
 
 

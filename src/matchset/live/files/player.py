@@ -38,6 +38,18 @@ class Screen(Protocol):
         ...
 
 
+class ClickedPictures(Protocol):
+    """Where the pictures are seen in which somebody clicks."""
+
+    def place_of(self, sequence: int) -> int:
+        """Return the place of the frame that a picture with this number showed; ValueError if there was none."""
+        ...
+
+    def frame_of(self, sequence: int) -> Frame | None:
+        """Return that frame, where it is there without reading."""
+        ...
+
+
 class PlayerParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How a file is played.
 

@@ -2,60 +2,44 @@
 
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
-from typing import Protocol
 
 import msgspec
 
 from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.live.files.alike_run import AlikeRun, Run, RunQueue
+from matchset.live.files.file_group import FileGroups
 from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import Correct
-from matchset.live.files.run import TrackingRun
+from matchset.live.files.player import ClickedPictures
+from matchset.live.files.run import RecentCount, TrackingParameters, TrackingRun
 from matchset.live.files.trials import Trial, Trials
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
-from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
+from matchset.live.targets.messages import (
+    Diameter,
+    Drop,
+    FieldOfView,
+    FindAll,
+    Hold,
+    Marker,
+    Outline,
+    Pick,
+    Rename,
+    Reread,
+)
 from matchset.live.targets.target import ClickedTarget
+from matchset.live.targets.target_facts import checked_name, free_name
 from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.waiting import WaitingWishes
 from matchset.localization.ball_target import BallTarget
 from matchset.media.closing import Closing
 from matchset.media.exact_reader import ExactReader, InterruptedReadingError
 from matchset.media.frame_list import FrameList
+from matchset.tracking.track import Track
 
-Asked = Pick | Outline | Hold | Correct | Drop | Reread | Diameter | Marker | FieldOfView
-
-
-class TrackingParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """How a file is tracked in the background.
-
-    Parameters
-    ----------
-    targets : int
-        At most; each keeps 2 kB of answers a frame. Chosen by hand: a list that fits on a screen.
-    wishes : int
-        Clicks that wait at most; more are refused.
-    rate_over : float
-        Over what time the rate is taken, s. Chosen by hand: figures that can be read.
-    """
-
-    targets: int = 8
-    wishes: int = 64
-    rate_over: float = 1.0
-
-
-class ClickedPictures(Protocol):
-    """Where the pictures are seen in which somebody clicks."""
-
-    def place_of(self, sequence: int) -> int:
-        """Return the place of the frame that a picture with this number showed; ValueError if there was none."""
-        ...
-
-    def frame_of(self, sequence: int) -> Frame | None:
-        """Return that frame, where it is there without reading."""
-        ...
+Asked = Pick | Outline | Hold | Correct | Drop | Reread | Rename | FindAll | Diameter | Marker | FieldOfView
 
 
 class FileTracking(Closing):
@@ -104,8 +88,9 @@ class FileTracking(Closing):
         self.camera: CameraModel | None = None
         self.size = (0, 0)
         self._changes = self._numbers = 0
-        self._runs: list[TrackingRun] = []
-        self._done: deque[float] = deque()
+        self._runs = RunQueue(reader)
+        self._groups = FileGroups()
+        self._done = RecentCount(self._parameters.rate_over)
         self._computing = ShownTimes()
         self._wishes: WaitingWishes[Asked] = WaitingWishes(self._parameters.wishes)
         self._stop, self._news, self._urgent = threading.Event(), threading.Event(), threading.Event()
@@ -134,9 +119,7 @@ class FileTracking(Closing):
     @property
     def rate(self) -> float | None:
         """Frames per second that are tracked now; None while nothing is."""
-        over, now = self._parameters.rate_over, time.monotonic()
-        recent = [done for done in list(self._done) if done > now - over]
-        return len(recent) / over if self.busy and recent else None
+        return (self._done.rate or None) if self.busy else None
 
     @property
     def computing(self) -> dict[str, float]:
@@ -146,16 +129,14 @@ class FileTracking(Closing):
     @property
     def busy(self) -> bool:
         """Whether something is being tracked."""
-        return bool(self._runs) or len(self._wishes) > 0
+        return bool(self._runs.all) or len(self._wishes) > 0
 
     def reach(self, place: int) -> int | None:
         """Return up to which frame all is known that is being tracked forward past a place; None: to the end.
 
         From a place that the tracking has not reached yet, a person has gone there to look for something: None, too.
         """
-        ways = [run for run in list(self._runs) if not run.backward]
-        known = [max(run.place - 1, run.click) for run in ways if run.click <= place]
-        return min((each for each in known if each >= place), default=None)
+        return self._runs.reach(place)
 
     def close(self) -> None:
         """End the thread."""
@@ -171,11 +152,16 @@ class FileTracking(Closing):
             if run is None or run.target.number not in self._trials:
                 self.calm.set()
             if run is None:
-                self._news.wait(0.05 if self._runs or not self._frames.complete else None)
+                self._news.wait(0.05 if self._runs.all or not self._frames.complete else None)
                 self._news.clear()
                 continue
             try:
-                run.step()
+                if isinstance(run, AlikeRun):
+                    if not run.has_begun:
+                        self._begin_together(run)
+                    run.step(self._begin_alike)
+                else:
+                    run.step()
             except InterruptedReadingError:
                 continue
             except (ValueError, OSError) as error:
@@ -183,36 +169,36 @@ class FileTracking(Closing):
                 continue
             self._count(run)
 
-    def _fail(self, run: TrackingRun, words: str) -> None:
+    def _fail(self, run: Run, words: str) -> None:
         """End a run whose frames cannot be read."""
-        self._runs.remove(run)
+        self._runs.all.remove(run)
         if run.target.known:
             self._note(words)
         else:
             self._refuse(run.target, words)
 
-    def _next_run(self) -> TrackingRun | None:
+    def _next_run(self) -> Run | None:
         """Return the run that goes on: of a click that waits for its answer, else of the newest; others are removed."""
-        over = [run for run in self._runs if run.over(self._frames)]
-        self._runs = [run for run in self._runs if run not in over]
-        for run in over:
+        for run in self._runs.take_over(self._frames):
             if run.target.number in self._trials and not run.backward:
                 self._refuse(run.target, f"no {run.target.shape} was found there up to the end of the video. {AGAIN}")
-        ready = [run for run in reversed(self._runs) if run.place < len(self._frames)]
+        ready = self._runs.ready(len(self._frames))
         trials = (run for run in ready if run.target.number in self._trials and not run.backward)
         return next(trials, ready[0] if ready else None)
 
-    def _count(self, run: TrackingRun) -> None:
+    def _count(self, run: Run) -> None:
         self._computing.add(run.seconds)
-        self._done.append(now := time.monotonic())
-        while self._done[0] < now - self._parameters.rate_over:
-            self._done.popleft()
+        self._done.add(run.count)
+        if isinstance(run, AlikeRun):
+            return
         if run.target.number in self._trials and not run.backward:
             self._judge(run)
+        if run.target.number in self.targets and run.target.number not in self._trials:
+            self._join(run)
 
     def _judge(self, run: TrackingRun) -> None:
         """End the trial of a target: it is found where it was clicked, or later, or the click was on nothing."""
-        words = self._trials.verdict(run)
+        words = self._trials.verdict(run, self.targets.values())
         if words:
             self._refuse(run.target, words)
         elif words is not None:
@@ -273,6 +259,10 @@ class FileTracking(Closing):
                 target.locate(self.camera, ball_of(wish))
             elif isinstance(wish, Reread):
                 self._reread(target, wish)
+            elif isinstance(wish, Rename):
+                target.rename(checked_name(wish.name, self._names_without(target)))
+            elif isinstance(wish, FindAll):
+                self._find_all(target, wish.on)
             else:
                 raise ValueError("markers are looked for in a camera's pictures, not in a video: matchset locate does")
 
@@ -282,6 +272,54 @@ class FileTracking(Closing):
         self._changes += 1
         for target in self.targets.values():
             target.locate(camera, target.ball)
+
+    def _names_without(self, target: FileTarget) -> list[str]:
+        return [each.name for each in self.targets.values() if each is not target]
+
+    def _join(self, run: TrackingRun) -> None:
+        """Follow a target that was found together with those that look like it, from that frame on, both ways."""
+        target, place = run.target, run.place + (1 if run.backward else -1)
+        if self._groups.of(target.number) is None and isinstance(target.answer(place), Track):
+            others = (each for each in self.targets.values() if each.number not in self._trials and each is not target)
+            group = self._groups.join(target, others)
+            if group is not None:
+                self._runs.follow_together(group, place, target)
+
+    def _begin_together(self, run: AlikeRun) -> None:
+        """End the runs of single targets that are followed together from here on; two on one outline are one."""
+        for one, other in run.group.twins(run.click):
+            self._note(f"{other.name} is {one.name}, which is followed already")
+            self._forget(other)
+        for each in run.group.members.values():
+            self._runs.forget(each)
+
+    def _find_all(self, target: FileTarget, on: bool) -> None:
+        """Follow all that looks like a target, too, from where it was clicked on; or look for no more of them."""
+        if on and len(self.targets) >= self._parameters.targets:
+            raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
+        clicked = min(target.clicks)
+        place = clicked if isinstance(target.answer(clicked), Track) else target.first_found()
+        if on and (place is None or target.number in self._trials):
+            raise ValueError(f"{target.name} is not found yet: then all like it can be")
+        group = self._groups.begin(target)
+        group.set_finds(on)
+        if on and place is not None:
+            self._runs.follow_together(group, place)
+
+    def _begin_alike(self, other: FileTarget, place: int) -> FileTarget | None:
+        """Begin a target that was found since it looks like another one; None: there are enough."""
+        group = self._groups.begin(other)
+        if len(self.targets) >= self._parameters.targets:
+            return None
+        self._numbers += 1
+        target = other.alike(self._numbers, place)
+        target.name = free_name(target.name, self._names_without(target))
+        self.targets = {**self.targets, target.number: target}
+        group.members[target.number] = target
+        if len(self.targets) == self._parameters.targets:
+            self._note(f"{self._parameters.targets} targets are enough: no more are looked for")
+            group.set_finds(False)
+        return target
 
     def _target(self, number: int) -> FileTarget:
         found = self.targets.get(number)
@@ -313,8 +351,9 @@ class FileTracking(Closing):
         target.locate(self.camera, ball)
         target.color, target.readings = made.tracker.color.copy(), made.readings
         self.targets = {**self.targets, number: target}
-        self._runs += [TrackingRun(target, place, backward, self._reader, frame) for backward in (True, False)]
-        self._runs[-1].begin_with(made.tracker)
+        backward, forward = (TrackingRun(target, place, each, self._reader, frame) for each in (True, False))
+        self._runs.all += [backward, forward]
+        forward.begin_with(made.tracker)
         if made.note:
             self._note(made.note)
 
@@ -330,21 +369,30 @@ class FileTracking(Closing):
         if not isinstance(click, Pick):
             raise ValueError(f"{target.name} was not clicked: there is nothing else that it may mean")
         self._follow(target.number, msgspec.structs.replace(click, reading=wish.reading), place, target.ball)
-        self._runs = [run for run in self._runs if run.target is not target]
+        self._runs.forget(target)
         self._changes += 1 + target.version
 
     def _correct(self, target: FileTarget, wish: Correct) -> None:
         place = self._shown.place_of(wish.sequence)
         click = Pick(wish.sequence, wish.x, wish.y, target.shape)
-        frame = self._frame(wish, place)
-        ClickedTarget(target.number, click, frame)  # refuses what cannot be followed
+        frame, group = self._frame(wish, place), self._groups.of(target.number)
+        made = ClickedTarget(target.number, click, frame)  # refuses what cannot be followed
+        if group is not None:
+            made.update(frame)
+            if made.last is None:
+                raise ValueError(f"no {target.shape} was found there. {AGAIN}")
+            first = place <= min(group.told, default=place)
+            group.correct(target.number, place, made.last)
+            self._runs.correct_together(group, place, first)
+            return
         first = place <= min(target.clicks)
         target.correct(wish, place)
         ways = (True, False) if first else (False,)
-        self._runs += [TrackingRun(target, place, backward, self._reader, frame) for backward in ways]
+        self._runs.all += [TrackingRun(target, place, backward, self._reader, frame) for backward in ways]
 
     def _forget(self, target: FileTarget) -> None:
         self._trials.pop(target.number, None)
+        self._groups.forget(target.number)
         self.targets = {number: other for number, other in self.targets.items() if other is not target}
-        self._runs = [run for run in self._runs if run.target is not target]
+        self._runs.forget(target)
         self._changes += 1 + target.version

@@ -1,11 +1,14 @@
 """First clicks in a recorded video of which nothing was found yet, and when they are given up: `Trials`."""
 
 import time
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import msgspec
 
+from matchset.live.files.file_target import FileTarget
 from matchset.live.files.run import TrackingRun
+from matchset.live.targets.alike import on_one
 from matchset.live.targets.clicks import AGAIN
 from matchset.live.targets.messages import Begin
 from matchset.live.targets.target import BesideParameters, is_beside
@@ -50,8 +53,8 @@ class Trials(dict[int, Trial]):
         super().__init__()
         self._parameters = parameters or TrialParameters()
 
-    def verdict(self, run: TrackingRun) -> str | None:
-        """Judge a target after a step of its way forward.
+    def verdict(self, run: TrackingRun, others: Iterable[FileTarget] = ()) -> str | None:
+        """Judge a target after a step of its way forward; it must be none of the others.
 
         Returns
         -------
@@ -63,6 +66,10 @@ class Trials(dict[int, Trial]):
         if isinstance(answer, Track):
             if is_beside(trial.begin, answer, answer.time - run.began, self._parameters.beside):
                 return f"the {target.shape} that was found is not where you clicked. {AGAIN}"
+            for other in others:
+                known = other.answer(place)
+                if other is not target and isinstance(known, Track) and on_one(known, answer):
+                    return f"that is {other.name}, which is followed already"
             return ""
         late = time.monotonic() - trial.since > self._parameters.patience
         if answer is None or not (late or run.place - run.click >= self._parameters.frames):

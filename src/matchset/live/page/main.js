@@ -33,7 +33,7 @@ const picture = new PictureView(find("view"), {
 });
 const targets = new TargetList(find("targets"), send, askPoint);
 const reading = new Reading(find("reading"));
-const curves = new Curves(find("curves"));
+const curves = new Curves(find("curves"), (id) => targets.choose(id));
 let painted = 0;
 let newest = null;
 let seconds = 0; // time of the picture on the screen
@@ -50,7 +50,7 @@ const panels = {
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   settings: new SettingsPanel(find("settings"), send),
   record: new RecordPanel(find("record"), send),
-  file: new FilePanel(find("file"), find("file-results"), find("file-curves"), send, () => targets.chosen, askPoint),
+  file: new FilePanel(find("file"), find("file-results"), find("file-curves"), send, () => targets.chosen, askPoint, (id) => targets.choose(id)),
 };
 
 function receiveSession(session) {
@@ -97,7 +97,7 @@ function refresh() {
   drawn = null;
   const { state, shownAge } = newest;
   const list = state.targets || [];
-  reading.show(list.find((target) => target.id === targets.chosen), list.length > 1);
+  reading.show(list.find((target) => target.id === targets.chosen), list);
   picture.clicks.follows(list.length > 0);
   find("age").textContent = state.live === false || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
   find("camera-fps").textContent = state.camera_fps ? `${state.camera_fps.toFixed(0)}/s` : "–";

@@ -22,6 +22,7 @@ from matchset.flight.recording.ros_messages import (
 )
 from matchset.image.frame import Frame
 from matchset.live.feed import StreamPicture
+from matchset.live.record.target_tables import plain_name
 from matchset.live.wire.state import TargetState
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
@@ -51,7 +52,7 @@ class BagWriter(Closing):
         kinds = {"image/compressed": IMAGE, "camera_info": CAMERA_INFO, "detections": DETECTIONS}
         topics = [ros_topic(f"{space}/{name}", kind) for name, kind in kinds.items()]
         self._writer = McapWriter(path, [*topics, ros_topic(TF, TRANSFORMS)])
-        self._poses: set[str] = set()
+        self._poses: dict[int, str] = {}
 
     def write(self, number: int, frame: Frame, seen: StreamPicture) -> None:
         """Append a picture with what was found in it.
@@ -87,9 +88,11 @@ class BagWriter(Closing):
         return RecordedMessage(f"{self._space}/{name}", encoder(kind).encode(content))
 
     def _pose(self, header: tuple[Any, ...], target: TargetState, pose: Pose) -> list[RecordedMessage]:
-        name = target.name.replace(" ", "_")
-        if name not in self._poses:
-            self._poses.add(name)
+        name = self._poses.get(target.id)
+        if name is None:  # that of the first pose, whatever it is called later
+            name = plain_name(target)
+            name = f"{name}_{target.id}" if name in self._poses.values() else name
+            self._poses[target.id] = name
             self._writer.add_topic(ros_topic(f"{self._space}/{name}/pose", POSE))
         placed = pose_with_covariance(pose)
         transform = header, f"{self._frame_id}/{name}", placed[0]

@@ -7,8 +7,10 @@ from typing import Any
 import msgspec
 
 from matchset.app.locate.rows import POSITION, PoseRow, pose_columns, pose_row
+from matchset.app.several.poses import TargetPoseRow, target_pose_columns
+from matchset.app.several.target_rows import TargetRow, target_columns
 from matchset.app.tables import RowWriter
-from matchset.app.track.rows import TrackRow, track_table
+from matchset.app.track.rows import TrackRow, track_columns
 from matchset.image.frame import Frame
 from matchset.live.feed import StreamPicture
 from matchset.live.wire.state import TargetState
@@ -22,7 +24,8 @@ class TargetTables(Closing):
     """Writes a row for each picture and target.
 
     The first target's tables are `tracks.csv` and `poses.csv`; those of a further one have its name:
-    `tracks_circle_2.csv`.
+    `tracks_circle_2.csv`. Where there are several when a table begins, or its target has a name of its own, the columns
+    `identity`, `label` and `alternatives` say whose each row is.
 
     Parameters
     ----------
@@ -32,7 +35,7 @@ class TargetTables(Closing):
     Attributes
     ----------
     targets : list of dict
-        Name, diameter in m, and tables of each target.
+        Name, diameter in m, and tables of each target; the name that it had last.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -40,7 +43,13 @@ class TargetTables(Closing):
         self._endings: dict[int, str] = {}
         self._tracks: dict[int, RowWriter[TrackRow]] = {}
         self._poses: dict[int, RowWriter[PoseRow]] = {}
-        self.targets: list[dict[str, Any]] = []
+        self._entries: dict[int, dict[str, Any]] = {}
+        self._whose: set[int] = set()
+
+    @property
+    def targets(self) -> list[dict[str, Any]]:
+        """Return what `recording.json` says of them."""
+        return list(self._entries.values())
 
     def write(self, number: int, frame: Frame, seen: StreamPicture) -> None:
         """Append the rows of a picture.
@@ -61,11 +70,13 @@ class TargetTables(Closing):
         for target in seen.state.targets:
             if target.id not in self._tracks:
                 self._begin(target, seen)
+            self._entries[target.id]["name"] = target.name
             self._tracks[target.id].write(_track_row(number, frame.time, target))
             row = _pose_row(number, frame.time, target, seen)
             if row is not None or target.id in self._poses:
                 lost = PoseRow(number, frame.time, reason=target.reason or "diameter or camera are not known")
-                self._poses_of(target).write(row or lost)
+                row = row or lost
+                self._poses_of(target).write(TargetPoseRow(**msgspec.structs.asdict(row), **_whose(target)))
 
     def close(self) -> None:
         """Close the tables."""
@@ -73,20 +84,25 @@ class TargetTables(Closing):
         close_all(*tracks, *(table.close for table in self._poses.values()))
 
     def _begin(self, target: TargetState, seen: StreamPicture) -> None:
-        ending = "_" + re.sub(r"[^A-Za-z0-9]+", "_", target.name).strip("_") if self._endings else ""
+        ending = f"_{plain_name(target)}" if self._endings else ""
         while ending in self._endings.values():
             ending += f"_{target.id}"
         self._endings[target.id] = ending
         path = self._folder / f"tracks{ending}.csv"
         names = seen.parameters.get(target.id) or tuple(target.values) or Circle.parameters
-        self._tracks[target.id] = track_table(path, names)
-        self.targets.append({"name": target.name, "tracks": path.name})
+        if self._tracks or len(seen.state.targets) > 1 or target.name != f"{target.shape} {target.id}":
+            self._whose.add(target.id)
+        columns = target_columns(names) if target.id in self._whose else track_columns(names)
+        self._tracks[target.id] = RowWriter(path, columns)
+        self._entries[target.id] = {"name": target.name, "tracks": path.name}
 
     def _poses_of(self, target: TargetState) -> RowWriter[PoseRow]:
         if target.id not in self._poses:
             path = self._folder / f"poses{self._endings[target.id]}.csv"
-            self._poses[target.id] = RowWriter(path, pose_columns())
-            entry = next(each for each in self.targets if each["name"] == target.name)
+            self._poses[target.id] = RowWriter(
+                path, target_pose_columns() if target.id in self._whose else pose_columns()
+            )
+            entry = self._entries[target.id]
             entry |= {"poses": path.name, "diameter": target.diameter}
         return self._poses[target.id]
 
@@ -103,13 +119,24 @@ def _pose_row(number: int, time: float, target: TargetState, seen: StreamPicture
     return PoseRow(number, time, values, std, "position")
 
 
-def _track_row(number: int, time: float, target: TargetState) -> TrackRow:
+def plain_name(target: TargetState) -> str:
+    """Return a target's name of letters, digits and underscores alone, for files and topics."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", target.name).strip("_") or f"{target.shape}_{target.id}"
+
+
+def _whose(target: TargetState) -> dict[str, Any]:
+    """Whose a row is."""
+    return {"identity": target.id, "label": target.name, "alternatives": tuple(target.alternatives)}
+
+
+def _track_row(number: int, time: float, target: TargetState) -> TargetRow:
     if not target.found:
-        return TrackRow(number, time, reason=target.reason)
-    return TrackRow(
+        return TargetRow(number, time, reason=target.reason, **_whose(target))
+    return TargetRow(
         frame=number,
         time=time,
         shape={name: round(value, DECIMALS) for name, (value, _) in target.values.items()},
         std={name: round(sigma, DECIMALS) for name, (_, sigma) in target.values.items() if sigma is not None},
         support=None if target.support is None else round(target.support, DECIMALS),
+        **_whose(target),
     )

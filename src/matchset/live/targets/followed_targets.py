@@ -10,10 +10,25 @@ import msgspec
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.live.targets.alike import TogetherAnswer
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
-from matchset.live.targets.crossing import Crossing
-from matchset.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread, Wish
-from matchset.live.targets.target import ClickedTarget, catch_up, exchange, is_beside, same_place
+from matchset.live.targets.groups import AlikeGroups
+from matchset.live.targets.messages import (
+    Begin,
+    Diameter,
+    Drop,
+    FieldOfView,
+    FindAll,
+    Hold,
+    Marker,
+    Outline,
+    Pick,
+    Rename,
+    Reread,
+    Wish,
+)
+from matchset.live.targets.target import ClickedTarget, catch_up, is_beside, same_place
+from matchset.live.targets.target_facts import checked_name, free_name
 from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.target_maker import TargetMaker
 from matchset.live.vision.kept_frames import KeptFrames
@@ -28,7 +43,8 @@ class FollowedTargetsParameters(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     targets : int
-        At most. More: a slower loop, most of all where they are lost. Chosen by hand: a list that fits on a screen.
+        At most. More: a slower loop, most of all where they are lost. Chosen by hand: a list that can be read; see
+        docs/live.md for what 20 that look alike take.
     trial : float
         For how long something clicked may not be found before it is given up, s. Longer: a ball clicked while it is
         hidden or blurred is still found; and clicks on nothing cost more. Chosen by hand: with what learning a color
@@ -38,7 +54,7 @@ class FollowedTargetsParameters(msgspec.Struct, frozen=True, kw_only=True):
         hand: a person clicks on one thing, then the next.
     """
 
-    targets: int = 8
+    targets: int = 20
     trial: float = 0.6
     on_trial: int = 2
 
@@ -93,7 +109,7 @@ class FollowedTargets(Closing):
         self._trials: dict[int, _Trial] = {}
         self._making: deque[_Making] = deque()
         self._numbers = 0
-        self._crossing = Crossing()
+        self._groups = AlikeGroups()
         self._maker: TargetMaker[ClickedTarget] = TargetMaker()
         self.camera: CameraModel | None = None
 
@@ -139,11 +155,18 @@ class FollowedTargets(Closing):
             self._forget(wish.target)
         elif isinstance(wish, Reread):
             self._reread(wish)
+        elif isinstance(wish, Rename):
+            target = self.target(wish.target)
+            target.name = checked_name(wish.name, self._names_without(target))
+            target.is_kept = True
+        elif isinstance(wish, FindAll):
+            self._find_all(wish)
         elif isinstance(wish, Diameter):
             self.target(wish.target).locate(self.camera, ball_of(wish))
         elif isinstance(wish, Marker):
             frame = self._kept.since(wish.sequence)[0]
             self.target(wish.target).mark(frame, wish.x, wish.y, wish.meters)
+            self._groups.recolor(wish.target)
         elif isinstance(wish, FieldOfView):
             self._view(wish)
 
@@ -160,32 +183,64 @@ class FollowedTargets(Closing):
         self._targets.clear()
         self._trials.clear()
         self._making.clear()
+        self._groups.clear()
 
     def restart(self) -> None:
         """Take note that the source begins anew: where targets were says nothing any more."""
         for each in self._targets.values():
             each.tracker.restart()
+        self._groups.restart()
 
     def update(self, frame: Frame) -> list[TargetState]:
         """Follow all into a frame."""
         self._take_made()
-        states = {number: target.update(frame) for number, target in self._targets.items()}
+        together = self._groups.update(frame, self._room, self._begin_alike)
+        for number in self._groups.gone(self.targets, frame.time):
+            self._forget(number)
+        states = {number: self._updated(target, frame, together) for number, target in self._targets.items()}
         for number in list(self._trials):
             self._judge(number, frame, states)
-        self._part(frame, states)
+        judged = {number: target for number, target in self._targets.items() if number not in self._trials}
+        for number, (track, others) in self._groups.merge(judged, frame).items():
+            states[number] = self._targets[number].take(frame, track, others)
         for number in self._trials:
             states[number] = msgspec.structs.replace(states[number], pending=True, reason="finding it ...")
-        return [states[number] for number in self._targets]
+        return [self._shown(states[number]) for number in self._targets]
 
-    def _part(self, frame: Frame, states: dict[int, TargetState]) -> None:
-        """Of two targets that were found on one ball one is hidden; it is looked for where it should come out."""
-        known = {number: state for number, state in states.items() if number not in self._trials}
-        meeting = self._crossing.meet(known, frame.time)
-        for one, other in meeting.exchanged:
-            states[one], states[other] = exchange(self._targets[one], self._targets[other], frame)
-        for number, stays in meeting.hidden.items():
-            lost_for, at = self._crossing.since(number, frame.time), self._crossing.expected(number, frame.time)
-            states[number] = self._targets[number].hidden_behind(self._targets[stays].name, lost_for, at)
+    def _updated(self, target: ClickedTarget, frame: Frame, together: dict[int, TogetherAnswer]) -> TargetState:
+        """Follow a target into a frame, by its own tracker if it is not followed together with others."""
+        answer = together.get(target.number)
+        return target.update(frame) if answer is None else target.take(frame, *answer)
+
+    def _shown(self, state: TargetState) -> TargetState:
+        """Say of a target whether all that looks like it is followed."""
+        group = self._groups.of(state.id)
+        return state if group is None or not group.finds else msgspec.structs.replace(state, finds=True)
+
+    @property
+    def _room(self) -> int:
+        """How many more targets there may be."""
+        return self._parameters.targets - len(self._targets) - len(self._making)
+
+    def _begin_alike(self, other: ClickedTarget) -> ClickedTarget:
+        """Begin a target that was found since it looks like another one."""
+        self._numbers += 1
+        target = self._targets[self._numbers] = other.alike(self._numbers)
+        target.name = free_name(target.name, self._names_without(target))
+        if self._room <= 0:
+            self._note(f"{self._parameters.targets} targets are enough: no more are looked for until one is dropped")
+        return target
+
+    def _names_without(self, target: ClickedTarget) -> list[str]:
+        return [each.name for each in self.targets if each is not target]
+
+    def _find_all(self, wish: FindAll) -> None:
+        target = self.target(wish.target)
+        if wish.target in self._trials:
+            raise ValueError(f"{target.name} is not found yet: then all like it can be")
+        if wish.on and self._room <= 0:
+            raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
+        self._groups.find_all(target, wish.on)
 
     def _view(self, wish: FieldOfView) -> None:
         newest = self._kept.newest
@@ -214,7 +269,7 @@ class FollowedTargets(Closing):
             for made in cancelled:
                 self.clicks.turn_away(made.begin, NEWER)
             self._making = deque(made for made in self._making if made not in cancelled)
-        if len(self._targets) + len(self._making) >= self._parameters.targets:
+        if self._room <= 0:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1
         order = functools.partial(ClickedTarget, self._numbers, begin, frame)
@@ -239,6 +294,8 @@ class FollowedTargets(Closing):
                 target.locate(self.camera, None if before is None else before.ball)
                 frames = [frame, *self._kept.after(begin.sequence)]
                 catch_up(target, frames)
+                self._groups.leave(number)
+                target.name = before.name if before else free_name(target.name, self._names_without(target))
                 self._targets[number], self._trials[number] = target, _Trial(begin, frame.time, frames[-1].time)
                 if target.note:
                     self._note(target.note)
@@ -263,6 +320,7 @@ class FollowedTargets(Closing):
         elif state.found or (over and target.seen is not None):
             del self._trials[number]
             self.clicks.accept(trial.begin)
+            self._groups.join(target, (each for each in self.targets if each.number not in self._trials))
             return
         elif over:
             at = "({:.0f}, {:.0f})".format(*target.begun)
@@ -274,5 +332,6 @@ class FollowedTargets(Closing):
         del states[number]
 
     def _forget(self, number: int) -> None:
+        self._groups.leave(number)
         self._targets.pop(number, None)
         self._trials.pop(number, None)

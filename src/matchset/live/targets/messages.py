@@ -68,6 +68,25 @@ class Reread(PageMessage, frozen=True, tag="reread"):
     reading: Annotated[int, msgspec.Meta(ge=1, le=100)]
 
 
+class Rename(PageMessage, frozen=True, tag="rename"):
+    """Call a target by another name, which no other one has."""
+
+    target: Number
+    name: Name
+
+
+class FindAll(PageMessage, frozen=True, tag="find_all"):
+    """Follow all that looks like a target, too; `on` false: look for no more of them."""
+
+    target: Number
+    on: bool = True
+
+    @property
+    def needs(self) -> Kernels:
+        """Code that follows several."""
+        return Kernels.ALL
+
+
 class Diameter(PageMessage, frozen=True, tag="diameter"):
     """A target's diameter, m; None: not known. `sigma` is its standard deviation, m; 0: taken as exact."""
 
@@ -99,5 +118,16 @@ class FieldOfView(PageMessage, frozen=True, tag="field_of_view"):
 
 
 Begin = Pick | Outline
-Wish = Pick | Outline | Hold | Drop | Reread | Diameter | Marker | FieldOfView
-MESSAGES: tuple[type[PageMessage], ...] = (Pick, Outline, Hold, Drop, Reread, Diameter, Marker, FieldOfView)
+Wish = Pick | Outline | Hold | Drop | Reread | Rename | FindAll | Diameter | Marker | FieldOfView
+MESSAGES: tuple[type[PageMessage], ...] = (
+    Pick,
+    Outline,
+    Hold,
+    Drop,
+    Reread,
+    Rename,
+    FindAll,
+    Diameter,
+    Marker,
+    FieldOfView,
+)

@@ -1,5 +1,6 @@
 """Something that was clicked and is followed since: `ClickedTarget`."""
 
+import copy
 import math
 from typing import Any
 
@@ -53,10 +54,20 @@ class ClickedTarget:
         The click and its picture, to read it anew.
     readings : list of str
         What the click may mean, the likeliest first.
+    color : ColorModel
+        What it looks like, with its marker.
+    family : type
+        Of its shape.
     answer : Track or Lost or None
         The last one of its tracker.
-    seen : float or None
-        When it was found last, s.
+    last, before : Track or None
+        Where it was found last, and before that.
+    alternatives : tuple of int
+        Numbers of the targets that it may be as well.
+    is_kept : bool
+        Whether a person clicked or named it; otherwise it was found since it looks like another one.
+    since, seen : float or None
+        When it was found first and last, s.
     pose : Pose, Lost or None
         In the last frame; None if diameter or camera are not known.
 
@@ -87,12 +98,34 @@ class ClickedTarget:
         self.ball: BallTarget | None = None
         self.answer: Track[Any] | Lost[Any] | None = None
         self.tracker: Tracker[Any] = Tracker(family, color, start=self.begun)
+        given = given or _clicked_among_others(begin, frame, color)
         if given is not None:
             self.tracker.start(given)
-        self._family, self._camera, self._placing = family, None, None
+        self.family, self.color = family, color
+        self.is_kept = True
+        self._camera, self._placing = None, None
         self._marker: tuple[ColorModel, float] | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        """Have it found nowhere so far."""
+        self.last: Track[Any] | None = None
+        self.before: Track[Any] | None = None
+        self.alternatives: tuple[int, ...] = ()
+        self.since: float | None = None
         self.seen: float | None = None
         self.pose: Pose | Lost[Pose] | None = None
+        self.answer = None
+
+    def alike(self, number: int) -> "ClickedTarget":
+        """Make one that looks like it, and was found without a click."""
+        other = copy.copy(self)
+        other.number, other.name = number, f"{self.shape} {number}"
+        other.clicked, other.readings, other.is_kept = None, [], False
+        other.tracker = Tracker(self.family, self.color)
+        other._begin()
+        other.locate(self._camera, self.ball)
+        return other
 
     _camera: CameraModel | None
     _placing: TargetLocalizer | None
@@ -131,20 +164,19 @@ class ClickedTarget:
         ValueError
             If it is no ball, or no color can be learned there.
         """
-        if self._family is not Circle:
+        if self.family is not Circle:
             raise ValueError(f"{self.name} is no ball: only balls have markers")
         color, before = pick_marker(frame.image, x, y), self._marker
-        joint = self.tracker.color | color
+        joint = self.color | color
         self._marker = color, width
         try:
             self.locate(self._camera, self.ball)
         except ValueError:
             self._marker = before
             raise
-        tracker: Tracker[Any] = Tracker(self._family, joint, start=self.begun)
+        self.color, self.tracker = joint, Tracker(self.family, joint, start=self.begun)
         if isinstance(self.answer, Track):
-            tracker.start(self.answer.shape)
-        self.tracker = tracker
+            self.tracker.start(self.answer.shape)
 
     def update(self, frame: Frame) -> TargetState:
         """Follow it into a frame."""
@@ -153,8 +185,21 @@ class ClickedTarget:
         except ValueError:  # another size of the pictures, or a time that runs anew: begin anew
             self.tracker.restart()
             answer = self.tracker.update(frame)
-        self.answer = answer
+        return self.take(frame, answer)
+
+    def take(self, frame: Frame, answer: Track[Any] | Lost[Any], alternatives: tuple[int, ...] = ()) -> TargetState:
+        """Take what was found of it in a frame, by its own tracker or together with others that look like it."""
+        self.answer, self.alternatives = answer, alternatives
+        if isinstance(answer, Track):
+            self.before, self.last = self.last, answer
+            self.seen = answer.time
+            self.since = answer.time if self.since is None else self.since
         return self.told(frame)
+
+    def follow_alone(self) -> None:
+        """Follow it by its own tracker again, from where it was seen."""
+        self.tracker.restart(self.answer.shape if isinstance(self.answer, Track) else None)
+        self.alternatives = ()
 
     def told(self, frame: Frame) -> TargetState:
         """Place what was found in a frame, and say it."""
@@ -165,18 +210,7 @@ class ClickedTarget:
         self.pose = place.pose
         if isinstance(answer, Lost):
             return self._lost(answer)
-        self.seen = answer.time
         return found_state(self._about, answer, place)
-
-    def hidden_behind(self, name: str, lost_for: float, expected: tuple[float, float] | None) -> TargetState:
-        """Say that it is lost behind another target of its color; look for it where it is expected, px, from now on."""
-        self.pose = None
-        if isinstance(self.answer, Track) and expected is not None:
-            shape = self.answer.shape
-            x, y, _ = center_of(outline(shape))
-            if math.hypot(x - expected[0], y - expected[1]) > float(self._family.half_width(shape.state)):
-                self.tracker.restart(expected)  # nearer, it cannot be seen yet
-        return lost_state(self._about, f"hidden by {name}, which has its color", lost_for)
 
     def without_picture(self, reason: str) -> TargetState:
         """Say that it is lost because there is no picture."""
@@ -186,24 +220,28 @@ class ClickedTarget:
     @property
     def _about(self) -> TargetFacts:
         reading = 0 if self.clicked is None else self.clicked[0].reading
-        return TargetFacts(self.number, self.name, self.shape, self.ball, self.readings, reading)
+        return TargetFacts(
+            self.number, self.name, self.shape, self.ball, self.readings, reading, self.since, self.alternatives
+        )
 
     def _lost(self, answer: Lost[Any]) -> TargetState:
         since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)
         return lost_state(self._about, answer.reason, since, answer.predicted)
 
 
+def _clicked_among_others(begin: Begin, frame: Frame, color: ColorModel) -> Circle | None:
+    """Return the circle that a click means where a search finds another one like it first, as among many."""
+    if isinstance(begin, Outline) or begin.shape != "circle" or color.circle is None:
+        return None
+    answer = Tracker(Circle, color, start=(begin.x, begin.y)).update(frame)
+    is_another = isinstance(answer, Track) and is_beside(begin, answer, 0.0)
+    return Circle(*color.circle) if is_another else None
+
+
 def catch_up(target: ClickedTarget, frames: list[Frame]) -> None:
     """Follow a target through the frames since the click, so that it is where the newest one is."""
     for frame in frames:
         target.update(frame)
-
-
-def exchange(one: ClickedTarget, other: ClickedTarget, frame: Frame) -> tuple[TargetState, TargetState]:
-    """Give each of two targets what the other one followed; returns what is told of them in the same frame."""
-    one.tracker, other.tracker = other.tracker, one.tracker
-    one.answer, other.answer = other.answer, one.answer
-    return one.told(frame), other.told(frame)
 
 
 def color_within(given: Shape, frame: Frame) -> ColorModel:

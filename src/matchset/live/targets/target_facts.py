@@ -1,7 +1,7 @@
-"""What a page is told of a target that is found, or lost: `found_state`, `lost_state`."""
+"""What a page is told of a target that is found, or lost: `found_state`, `lost_state`; and its name: `checked_name`."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +32,10 @@ class TargetFacts(NamedTuple):
         What its click may mean.
     reading : int
         Which of these was taken, from 1.
+    since : float or None
+        When it was found first, s; None: not yet.
+    alternatives : sequence of int
+        Numbers of the targets that it may be as well.
     """
 
     number: int
@@ -40,6 +44,8 @@ class TargetFacts(NamedTuple):
     ball: BallTarget | None = None
     readings: Sequence[str] = ()
     reading: int = 0
+    since: float | None = None
+    alternatives: Sequence[int] = ()
 
 
 def found_state(about: TargetFacts, track: Track[Any], place: TargetPlace) -> TargetState:
@@ -61,6 +67,8 @@ def found_state(about: TargetFacts, track: Track[Any], place: TargetPlace) -> Ta
         diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
         readings=list(about.readings),
         reading=about.reading,
+        since=about.since,
+        alternatives=list(about.alternatives),
     )
 
 
@@ -88,9 +96,35 @@ def lost_state(about: TargetFacts, reason: str, lost_for: float = 0.0, predicted
         diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
         readings=list(about.readings),
         reading=about.reading,
+        since=about.since,
     )
 
 
 def flat(points: Any) -> list[float]:
     """Write points as numbers one after the other, px."""
     return list(itertools.chain.from_iterable((np.rint(points * TENTH) / TENTH).tolist()))
+
+
+def checked_name(name: str, others: Iterable[str]) -> str:
+    """Return a name for a target without spaces around it.
+
+    Raises
+    ------
+    ValueError
+        If it is empty, has characters that cannot be seen, or is another target's.
+    """
+    stripped = name.strip()
+    if not stripped:
+        raise ValueError("a target's name must not be empty")
+    if not stripped.isprintable():
+        raise ValueError(f"a target's name must be letters that can be seen, in one line, got {name!r}")
+    if stripped.casefold() in {other.casefold() for other in others}:
+        raise ValueError(f"there is a target {stripped!r} already")
+    return stripped
+
+
+def free_name(name: str, others: Iterable[str]) -> str:
+    """Return a name that is no other target's: itself, or with a number behind it."""
+    taken = {other.casefold() for other in others}
+    names = itertools.chain([name], (f"{name} ({number})" for number in itertools.count(2)))
+    return next(each for each in names if each.casefold() not in taken)

@@ -44,6 +44,12 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
         What its click may mean, the likeliest first.
     reading : int
         Which of these was taken, from 1; 0: it was not clicked.
+    since : float or None
+        When it was found first, s; null: not yet.
+    alternatives : list of int
+        Which other targets, by `id`, this may be as well, after both touched.
+    finds : bool
+        Whether all that looks like it is followed, too.
     pending : bool
         Whether nothing is known of it in this picture yet; it is not lost then.
     """
@@ -67,6 +73,9 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     shape: str = "circle"
     readings: list[str] = []
     reading: int = 0
+    since: float | None = None
+    alternatives: list[int] = []
+    finds: bool = False
     pending: bool = False
 
 

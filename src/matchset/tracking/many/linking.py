@@ -69,11 +69,14 @@ class Linking:
     targets : list of Followed
     tracklets : list of Tracklet
     bank : MotionBank
+    births : bool
+        Whether what is found may be a new target; otherwise only what somebody said shall be followed.
     """
 
     def __init__(self, most: int, motion: ManyMotionParameters, limits: LinkingParameters) -> None:
         self.most, self.limits = most, limits
         self.bank = MotionBank(4 * most, motion)
+        self.births = True
         self.targets: list[Followed] = []
         self.tracklets: list[Tracklet] = []
 
@@ -141,7 +144,7 @@ class Linking:
         begun = list[Tracklet]()
         for sighting in fresh:
             tracklet = Tracklet(sighting.label, sighting)
-            for each in () if sighting.requested else self.targets:
+            for each in () if sighting.identity is not None else self.targets:
                 if each.label != sighting.label or (each.tracklet is not None and each.tracklet.is_certain):
                     continue
                 explained = predicted.likelihood(each.slot, sighting.place, sighting.variance)
@@ -149,7 +152,8 @@ class Linking:
                 if explained.squared < self.limits.gate and likely:
                     slot = self._slot_after(each, sighting, explained.halted, time)
                     tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
-            if sighting.sure and self._count_with([*self.tracklets, *begun]) < self.most:
+            may_be_new = sighting.sure and (self.births or sighting.identity is not None)
+            if may_be_new and self._count_with([*self.tracklets, *begun]) < self.most:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
                 tracklet.hypotheses[new] = Hypothesis(new.slot, score)
@@ -160,6 +164,16 @@ class Linking:
                         each.probe = each.probed = None
                 begun.append(tracklet)
         self.tracklets += begun
+
+    def take(self, sighting: Sighting, hidden: bool) -> None:
+        """Take over a target that was seen before; `hidden`: it is not seen any more."""
+        new = Followed(sighting.label, self.bank.begin(sighting.place, sighting.track.time), sighting)
+        self.targets.append(new)
+        if hidden:
+            return
+        new.tracklet = Tracklet(sighting.label, sighting)
+        new.tracklet.hypotheses, new.tracklet.is_certain = {new: Hypothesis(new.slot, 0.0)}, True
+        self.tracklets.append(new.tracklet)
 
     def _count_with(self, tracklets: Sequence[Tracklet]) -> int:
         """Count the targets, with the new ones that tracklets in doubt may be of."""

@@ -21,9 +21,10 @@ from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.smoothing.answers import TargetsAt
 from matchset.tracking.many.smoothing.smoother import Known, Smoother
 from matchset.tracking.many.smoothing.sweep import Click, Sweep
+from matchset.tracking.many.sightings import sighting_of
 from matchset.tracking.many.target import Target
 from matchset.tracking.many.tracklet import Followed
-from matchset.tracking.track import Lost
+from matchset.tracking.track import Lost, Track
 
 MOST = 100  # format: targets at once
 
@@ -59,6 +60,8 @@ class MultiTracker(Copied):
     ----------
     colors : dict of str to ColorModel
         By label.
+    finds : bool
+        See there; it may be changed.
 
     Raises
     ------
@@ -99,6 +102,7 @@ class MultiTracker(Copied):
         self._made = families, self.colors, most, self.parameters, finds, fps
         self._observer = Observer(families, self.colors, self.parameters, finds)
         self._linking = Linking(most, self.parameters.motion, self.parameters.linking)
+        self.finds = finds
         self._arrays = ArrayFrames(fps)
         self._count = self._frames = 0
         self._format: tuple[int, ...] | None = None
@@ -109,16 +113,34 @@ class MultiTracker(Copied):
         followed = sum(each.identity is not None for each in self._linking.targets)
         return f"MultiTracker({followed} targets followed, {self._count} found, {self._frames} frames)"
 
-    def add(self, what: tuple[float, float] | Shape, label: str | None = None) -> None:
-        """Follow what is at a point, or a shape, from the next frame on.
+    @property
+    def finds(self) -> bool:
+        """Whether all that looks like the targets is searched for."""
+        return self._linking.births
+
+    @finds.setter
+    def finds(self, finds: bool) -> None:
+        self._linking.births = self._observer.finds = finds
+
+    def add(
+        self, what: tuple[float, float] | Shape | Track[Any], label: str | None = None, *, hidden: bool = False
+    ) -> int:
+        """Follow what is at a point, a shape, or what another tracker has followed, from the next frame on.
 
         Parameters
         ----------
-        what : tuple of float or Shape
-            A point (x, y), px, of something whose outline is looked for around it for half a second; or its outline,
-            roughly.
+        what : tuple of float, Shape or Track
+            A point (x, y), px, of something whose outline is looked for around it for half a second; its outline,
+            roughly; or its track in a frame before the next one, which is believed.
         label : str, optional
             Of its color; where there is one color only, that.
+        hidden : bool
+            Of a track: it is not seen any more.
+
+        Returns
+        -------
+        int
+            The identity that it has as soon as it is found.
 
         Raises
         ------
@@ -130,15 +152,34 @@ class MultiTracker(Copied):
             label = next(iter(self.colors))
         if label not in self.colors:
             raise ValueError(f"the label must be one of {', '.join(map(repr, self.colors))}, got {label!r:.60}")
+        if isinstance(what, Track):
+            return self._take(what, label, hidden)
         point = checked_point("the point", what if isinstance(what, tuple) else what.state[:2])
         for each in self._linking.targets:
             if each.tracklet is not None:
                 place = each.tracklet.sighting.place
                 if math.hypot(place.x - point[0], place.y - point[1]) < place.half_width:
                     raise ValueError(f"at ({point[0]:.0f}, {point[1]:.0f}) is target {each.identity}, followed already")
+        self._check_room()
+        self._observer.request(label, what if not isinstance(what, tuple) else point, self._count)
+        self._count += 1
+        return self._count - 1
+
+    def _take(self, track: Track[Any], label: str, hidden: bool) -> int:
+        """Take over a target; what is there and has no identity yet is the same."""
+        self._observer.check(label, track.shape)
+        sighting = sighting_of(track, self.parameters.motion.center_sigmas, label)._replace(identity=self._count)
+        for each in [each for each in self._linking.targets if each.identity is None]:
+            if each.last.place.distance(sighting.place) < sighting.place.half_width:
+                self._remove(each)
+        self._check_room()
+        self._linking.take(sighting, hidden)
+        self._count += 1
+        return self._count - 1
+
+    def _check_room(self) -> None:
         if len(self._linking.targets) + len(self._observer.requests) >= self.most:
             raise ValueError(f"{self.most} targets are followed already: remove one, or allow for more by `most`")
-        self._observer.request(label, what if not isinstance(what, tuple) else point)
 
     def remove(self, identity: int) -> None:
         """Follow a target no longer; what finds all may find it again, as another one.
@@ -151,7 +192,10 @@ class MultiTracker(Copied):
         found = next((each for each in self._linking.targets if each.identity == identity), None)
         if found is None:
             raise ValueError(f"there is no target {identity!r:.20}")
-        for tracklet in self._linking.remove(found):
+        self._remove(found)
+
+    def _remove(self, target: Followed) -> None:
+        for tracklet in self._linking.remove(target):
             self._observer.take_back(tracklet)
 
     def update(self, frame: Picture) -> list[Target[Any]]:
@@ -254,18 +298,22 @@ class MultiTracker(Copied):
                 each.identity, self._count = self._count, self._count + 1
             if each.identity is None:
                 continue
-            track = self._hidden(each, frame, predicted) if each.tracklet is None else each.tracklet.sighting.track
+            if each.tracklet is None:
+                behind, lost = self._hidden(each, frame, predicted)
+                answers.append(Target(each.identity, each.label, lost, each.since, behind=behind))
+                continue
+            track = each.tracklet.sighting.track
             answers.append(Target(each.identity, each.label, track, each.since, _alternatives(each)))
         return answers if len(answers) < 2 else sorted(answers, key=lambda target: target.identity)
 
-    def _hidden(self, each: Followed, frame: Frame, predicted: Predicted) -> Lost[Any]:
-        """Say where a target should be that is not seen, and what hides it."""
+    def _hidden(self, each: Followed, frame: Frame, predicted: Predicted) -> tuple[int | None, Lost[Any]]:
+        """Say behind what a target is hidden that is not seen, and where it should be."""
         place, _ = predicted.likeliest(each.slot)
         seen = [(other.identity, other.tracklet.sighting.place) for other in self._linking.targets if other.tracklet]
         for identity, nearer in seen:
             if identity is not None and place.distance(nearer) < nearer.half_width:
-                return Lost(f"hidden behind target {identity}", frame.time, each.shape_at(place))
-        return Lost("not seen where its motion would have it", frame.time, each.shape_at(place))
+                return identity, Lost(f"hidden behind target {identity}", frame.time, each.shape_at(place))
+        return None, Lost("not seen where its motion would have it", frame.time, each.shape_at(place))
 
 
 def named_colors(colors: Colors) -> dict[str, ColorModel]:

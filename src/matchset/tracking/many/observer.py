@@ -36,10 +36,10 @@ class Observed(NamedTuple):
 
 
 class Request:
-    """What somebody said shall be followed: a point of it, px, or its outline, roughly; and since when, s."""
+    """What somebody said shall be followed: a point of it, px, or its outline, roughly; its identity; since when, s."""
 
-    def __init__(self, label: str, what: tuple[float, float] | Shape) -> None:
-        self.label, self.what = label, what
+    def __init__(self, label: str, what: tuple[float, float] | Shape, identity: int) -> None:
+        self.label, self.what, self.identity = label, what, identity
         self.since: float | None = None
 
 
@@ -54,10 +54,11 @@ class Observer:
         By label.
     parameters : MultiTrackerParameters
     finds : bool
-        Whether what nobody follows is searched for.
 
     Attributes
     ----------
+    finds : bool
+        Whether what nobody follows is searched for.
     requests : list of Request
         What shall be followed, and was not found yet.
     """
@@ -74,7 +75,7 @@ class Observer:
             label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
         }
         self._spare: dict[str, list[Tracker[Any]]] = {label: [self._made(label)] for label in colors}
-        self._finds, self.requests = finds, list[Request]()
+        self.finds, self.requests = finds, list[Request]()
         self._frames = self._turn = 0
         self._labels = list(colors)
         self._fields = FieldTiming(parameters.fields)
@@ -100,18 +101,23 @@ class Observer:
         tracker.restart()
         self._spare[label].append(tracker)
 
-    def request(self, label: str, what: tuple[float, float] | Shape) -> None:
-        """Look for what is at a point, px, or for a shape, from the next frame on.
+    def request(self, label: str, what: tuple[float, float] | Shape, identity: int) -> None:
+        """Look for what is at a point, px, or for a shape, from the next frame on; it has an identity then.
 
         Raises
         ------
         ValueError
             If the shape is not of the family of its label.
         """
+        if not isinstance(what, tuple):
+            self.check(label, what)
+        self.requests.append(Request(label, what, identity))
+
+    def check(self, label: str, shape: Shape) -> None:
+        """Raise a ValueError if a shape is not of the family of a label."""
         family = self._families[label]
-        if not isinstance(what, tuple | family):
-            raise ValueError(f"targets of the color {label!r} are of the family {family.__name__}, got {what!r:.60}")
-        self.requests.append(Request(label, what))
+        if not isinstance(shape, family):
+            raise ValueError(f"targets of the color {label!r} are of the family {family.__name__}, got {shape!r:.60}")
 
     def observe(
         self,
@@ -150,7 +156,9 @@ class Observer:
                 answer = tracker.update(frame)
                 tracks = [answer] if isinstance(answer, Track) else []
                 self._keep(request.label, tracker)
-            found += [sighting_of(track, sigmas, request.label)._replace(requested=True) for track in tracks[:1]]
+            found += [
+                sighting_of(track, sigmas, request.label)._replace(identity=request.identity) for track in tracks[:1]
+            ]
             if tracks or frame.time - request.since > self._limits.requested:
                 self.requests.remove(request)
         return found
@@ -292,11 +300,15 @@ class Observer:
         """Search a strip for what nobody follows, and a quarter of the image around one that is hidden."""
         places, sigmas = [each.place for each in known], self._limits.motion.center_sigmas
         found = list[Sighting]()
-        if self._finds and (
+        gone = [each for each in hidden if frame.time - each.seen > self._limits.searched]
+        if self.finds and (
             hidden or self._frames % self._limits.period == 0 or self._frames < STRIPS * len(self._colors)
         ):
             label = self._labels[self._turn]
             self._turn = (self._turn + 1) % len(self._labels)
+            found += [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
+        elif gone:
+            label = gone[0].label
             found += [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
         if hidden:
             sought = min(hidden, key=lambda each: (each.identity is not None, each.sought, -each.seen))

@@ -1,5 +1,7 @@
 """How several targets are followed: `MultiTrackerParameters`."""
 
+import math
+
 import msgspec
 
 from matchset.tracking.ball.judge import NetworkParameters
@@ -46,6 +48,9 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
         Frames in which a new tracklet's tracker begins where the filters expect it: its own velocity is not known yet.
     requested : float
         How long what `MultiTracker.add` named is looked for, s.
+    searched : float
+        After how long the whole picture is searched for a target that is not seen, s, where nothing else is searched
+        for. Less finds it sooner where it enters again, and takes another one like it, which nobody named, for it.
     unconfirmed : float
         How long what has no identity yet is remembered once it is not seen, s.
     min_visible : float
@@ -73,6 +78,7 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     probes: int = 4
     restarts: int = 3
     requested: float = 0.5
+    searched: float = math.inf
     unconfirmed: float = 0.1
     min_visible: float = 0.3
     halted_period: int = 3

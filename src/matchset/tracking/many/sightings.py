@@ -65,8 +65,8 @@ class Sighting(NamedTuple):
         Whether it was found where nothing was expected, with the evidence that this takes.
     tracker : Tracker or None
         Which has seen it; None for a search.
-    requested : bool
-        Whether somebody said that it shall be followed: it is a new target.
+    identity : int or None
+        That of the new target which it is, where somebody said that it shall be followed.
     """
 
     track: Track[Any]
@@ -75,7 +75,7 @@ class Sighting(NamedTuple):
     label: str
     sure: bool = True
     tracker: Tracker[Any] | None = None
-    requested: bool = False
+    identity: int | None = None
 
 
 def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> Sighting:

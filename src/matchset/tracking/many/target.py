@@ -25,6 +25,8 @@ class Target(msgspec.Struct, Generic[S], frozen=True):
         When it was found first, s.
     alternatives : tuple of int
         Which other targets this may be as well, after both touched. Empty while there is no doubt.
+    behind : int or None
+        Behind which target it is hidden, as far as that is known.
     """
 
     identity: int
@@ -32,6 +34,7 @@ class Target(msgspec.Struct, Generic[S], frozen=True):
     track: Track[Any] | Lost[Any]
     since: float
     alternatives: tuple[int, ...] = ()
+    behind: int | None = None
 
     @one_line
     def __repr__(self) -> str:

@@ -24,7 +24,7 @@ class Followed:
     Attributes
     ----------
     identity : int or None
-        None until it is confirmed.
+        None until it is confirmed, unless somebody said that it shall be followed.
     since, seen : float
         When it was found first and last, s.
     last : Sighting
@@ -43,7 +43,7 @@ class Followed:
 
     def __init__(self, label: str, slot: int, first: Sighting) -> None:
         self.label, self.slot, self.last = label, slot, first
-        self.identity: int | None = None
+        self.identity = first.identity
         self.since = self.seen = self.sought = first.track.time
         self.tracklet: Tracklet | None = None
         self.sightings = 1

@@ -2,7 +2,8 @@
 // shown. A click on a curve goes to that frame.
 
 import { palette, Surface } from "../canvas.js";
-import { BAND, drawDepths, drawGrid, frameOf, LEFT, NAMES, rangeOf, UNITS } from "./grid.js";
+import { colorOf } from "../colors.js";
+import { BAND, drawDepths, drawGrid, frameOf, LEFT, NAMES, rangeOf, strokeIn, UNITS } from "./grid.js";
 import { Inspected } from "./inspected.js";
 
 const WAIT = 500; // ms between two questions for the course while it grows
@@ -86,7 +87,8 @@ export class Courses {
     course.lost.forEach((lost, column) => {
       if (lost) context.fillRect(x(column) - step / 2, frame.bottom - 4 * ratio, Math.max(step, ratio), 4 * ratio);
     });
-    context.fillStyle = palette.accent;
+    const color = colorOf(course.target);
+    context.fillStyle = color;
     for (let i = 0; i < count; i++) {
       if (low[i] === null) continue;
       const spread = BAND * (sigma[i] || 0);
@@ -94,9 +96,6 @@ export class Courses {
       context.globalAlpha = 0.28;
       context.fillRect(x(i) - step / 2, top, Math.max(step, ratio), bottom - top);
     }
-    context.globalAlpha = 1;
-    context.strokeStyle = palette.accent;
-    context.lineWidth = 1.75 * ratio;
     context.beginPath();
     for (let i = 0, pen = false; i < count; i++) {
       if (low[i] === null) { pen = false; continue; }
@@ -104,7 +103,7 @@ export class Courses {
       if (low[i] < high[i]) context.lineTo(x(i), y(low[i]));
       pen = true;
     }
-    context.stroke();
+    strokeIn(context, color, 2 * ratio);
     context.fillStyle = palette.ink;
     context.fillRect(frame.left + this.share * (frame.right - frame.left) - ratio, frame.top, 2 * ratio, frame.bottom - frame.top);
     this.mark(context, surface, frame, index, x, y);
@@ -141,15 +140,13 @@ export class Courses {
     context.fillText("from above, m", 0, text);
     drawDepths(context, surface, deep, foot, scale);
     context.fillText("▲ camera", width / 2 - 0.4 * text, height - 0.2 * text);
-    context.strokeStyle = palette.accent;
-    context.lineWidth = 2 * ratio;
     context.beginPath();
     for (let i = 0, pen = false; i < across.length; i++) {
       if (across[i] === null || along[i] === null) { pen = false; continue; }
       context[pen ? "lineTo" : "moveTo"](...place(i));
       pen = true;
     }
-    context.stroke();
+    strokeIn(context, colorOf(course.target), 2 * ratio);
     const now = Math.min(Math.floor(this.share * across.length), across.length - 1);
     if (across[now] === null || along[now] === null) return;
     context.fillStyle = palette.ink;

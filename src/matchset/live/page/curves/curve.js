@@ -1,7 +1,7 @@
 // One curve of the last 30 s with its band of two standard deviations; lost stretches are marked.
 
 import { palette, Surface } from "../canvas.js";
-import { BAND, drawGrid, frameOf, rangeOf } from "./grid.js";
+import { BAND, drawGrid, frameOf, rangeOf, strokeIn } from "./grid.js";
 import { Inspected } from "./inspected.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
@@ -14,8 +14,8 @@ export class Curve {
     this.inspected = new Inspected(canvas, this.surface.redraw);
   }
 
-  draw(samples, name, unit) {
-    this.again = () => this.draw(samples, name, unit);
+  draw(samples, name, unit, color) {
+    this.again = () => this.draw(samples, name, unit, color);
     const { surface } = this;
     const context = surface.begin();
     const { ratio, text } = surface;
@@ -32,7 +32,7 @@ export class Curve {
     context.beginPath();
     context.rect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
     context.clip();
-    for (const run of runs(points)) drawRun(context, run, y, ratio);
+    for (const run of runs(points)) drawRun(context, run, y, ratio, color);
     context.restore();
     this.mark(context, frame, points, y, { name, unit });
   }
@@ -80,23 +80,21 @@ function runs(points) {
   return found;
 }
 
-function drawRun(context, run, y, ratio) {
-  context.fillStyle = context.strokeStyle = palette.accent;
+function drawRun(context, run, y, ratio, color) {
+  context.fillStyle = color;
   context.globalAlpha = 0.28;
   context.beginPath();
   for (const point of run) context.lineTo(point.x, y(point.high + BAND * point.sigma));
   for (let i = run.length - 1; i >= 0; i--) context.lineTo(run[i].x, y(run[i].low - BAND * run[i].sigma));
   context.closePath();
   context.fill();
-  context.globalAlpha = 1;
-  context.lineWidth = 1.75 * ratio;
   context.beginPath();
   for (const { x, low, high } of run) {
     context.lineTo(x, y(high));
     if (low < high) context.lineTo(x, y(low));
   }
   if (run.length === 1) context.lineTo(run[0].x + ratio, y(run[0].low));
-  context.stroke();
+  strokeIn(context, color, 2 * ratio);
 }
 
 // A tint over the whole height, a bar at the foot, and the word where there is room.

@@ -1,29 +1,35 @@
 // The curves of the chosen target, x, y, z where it is placed and otherwise x, y, r; and all targets from above. What was
 // seen of each target is kept for 30 s, so that choosing another one shows its past.
 
+import { colorOf } from "../colors.js";
 import { ViewFromAbove } from "./above.js";
 import { Curve } from "./curve.js";
 import { NAMES, UNITS } from "./grid.js";
+import { LifeLines, Lives } from "./lives.js";
 import { Samples } from "./samples.js";
 
 const PARAMETERS = 3; // curves
 
 export class Curves {
-  constructor(root) {
+  // `choose(id)` is told of a target whose line was clicked.
+  constructor(root, choose = () => {}) {
     this.root = root;
     this.words = root.querySelector("p");
     const canvases = [...root.querySelectorAll("canvas")];
     this.above = new ViewFromAbove(canvases.pop());
     this.curves = canvases.map((canvas) => new Curve(canvas));
     this.pasts = new Map();
+    this.lives = new Lives(new LifeLines(root.querySelector("#lives"), choose));
   }
 
   clear() {
     this.pasts.clear();
+    this.lives.clear();
     this.above.forget(() => false);
   }
 
   note(targets, time) {
+    this.lives.note(targets, time);
     const there = new Set(targets.map((target) => target.id));
     for (const id of this.pasts.keys()) if (!there.has(id)) this.pasts.delete(id);
     this.above.forget((id) => there.has(id));
@@ -60,9 +66,10 @@ export class Curves {
       const there = some && index < past.names.length;
       if (curve.surface.canvas.hidden === there) curve.surface.canvas.hidden = !there;
       const name = there ? past.names[index] : "";
-      if (there) curve.draw(past.samples[index], NAMES[name] ?? name, past.placed ? "m" : UNITS[name] ?? "px");
+      if (there) curve.draw(past.samples[index], NAMES[name] ?? name, past.placed ? "m" : UNITS[name] ?? "px", colorOf(chosen));
     });
     if (!flat) this.above.draw();
+    this.lives.draw(chosen);
   }
 }
 

@@ -7,6 +7,17 @@ export const LEFT = 4.9; // letters, the width of the numbers on the left
 export const NAMES = { radius: "r" };
 export const UNITS = { angle: "rad", scale: "" };
 
+// Draws the path in a target's color, with an edge so that it is seen on any ground.
+export function strokeIn(context, color, width) {
+  for (const [style, wide, alpha] of [[palette.ink, 1.6, 0.45], [color, 1, 1]]) {
+    context.strokeStyle = style;
+    context.lineWidth = wide * width;
+    context.globalAlpha = alpha;
+    context.stroke();
+  }
+  context.globalAlpha = 1;
+}
+
 // Where a curve is on its canvas.
 export function frameOf({ width, height, ratio, text }) {
   return { left: LEFT * text, right: width - ratio, top: 2.2 * text, bottom: height - 1.5 * text };

@@ -1,6 +1,8 @@
 // A recorded video: play, pause, step, scrub; what was found on a time line; corrections and downloads.
 
+import { colorOf } from "../colors.js";
 import { Courses } from "../curves/course.js";
+import { LifeLines, lifeOfVideo } from "../curves/lives.js";
 import { element } from "../reading/reading.js";
 import { times } from "../units.js";
 import { drawLine } from "./timeline.js";
@@ -12,8 +14,8 @@ const TYPING = "input:not([type=checkbox]):not([type=radio]), select, textarea";
 const PRESSING = "button, a, summary, input[type=checkbox], input[type=radio]"; // what the space bar presses
 
 export class FilePanel {
-  // `results` is the place for corrections and downloads, `courses` for curves. `chosen()` is the number of the target that the reading shows; `askPoint(words, take)` waits for a click in the picture.
-  constructor(root, results, courses, send, chosen, askPoint) {
+  // `results` is the place for corrections and downloads, `courses` for curves. `chosen()` is the number of the target that the reading shows; `askPoint(words, take)` waits for a click in the picture, `choose(id)` is told of a target that was clicked.
+  constructor(root, results, courses, send, chosen, askPoint, choose) {
     Object.assign(this, { root, results, send, chosen, askPoint, state: null, wanted: null });
     this.canvas = element("canvas", "timeline");
     this.canvas.tabIndex = 0;
@@ -21,7 +23,11 @@ export class FilePanel {
     this.time = element("output", "time");
     this.work = element("p", "work");
     this.files = element("p", "files");
-    this.root.replaceChildren(this.canvas, this.makeButtons());
+    this.lives = element("div", "lives");
+    this.lives.append(document.createElementNS("http://www.w3.org/2000/svg", "svg"));
+    this.lives.firstChild.setAttribute("aria-label", "where each target was first seen, found, and seen last");
+    this.lines = new LifeLines(this.lives.firstChild, choose, (share) => this.seek(share * this.state.end));
+    this.root.replaceChildren(this.canvas, this.lives, this.makeButtons());
     this.part = element("p", "part");
     this.results.append(this.work, this.makeExports(), this.part, this.files);
     this.courses = new Courses(courses, (share) => this.state && this.seek(share * this.state.end));
@@ -134,7 +140,8 @@ export class FilePanel {
     this.tables.disabled = this.film.disabled = !line || Boolean(working);
     const part = line?.part || "";
     this.part.hidden = !part;
-    this.part.textContent = `Written now: ${part} alone, ${Math.floor(line?.percent || 0)} % of the video.`;
+    const share = Math.floor(line?.percent || 0);
+    this.part.textContent = share < 100 ? `Written now: ${part} alone, ${share} % of the video.` : `Written: ${part}, in which it is known.`;
     const offer = part ? "CSV of this part" : "CSV tables";
     if (this.tables.textContent !== offer) this.tables.textContent = offer;
     this.stop.hidden = !working;
@@ -230,7 +237,8 @@ export class FilePanel {
     if (!state || this.root.hidden) return;
     const line = this.line();
     const shown = this.wanted === null ? state.index : this.index;
-    drawLine(this.canvas, { end: state.end, last: state.last, shown, runs: line ? line.line || [] : [] });
+    drawLine(this.canvas, { end: state.end, last: state.last, shown, runs: line ? line.line || [] : [], color: colorOf(line?.id ?? 1) });
+    this.lines.show((state.targets || []).map((target) => lifeOfVideo(target, state.end)), line?.id);
     this.courses.showAt((shown + 0.5) / (state.end + 1));
     const length = state.complete ? clock(state.duration || 0) : `${(100 * (state.last + 1) / (state.end + 1)).toFixed(0)} % read`;
     const words = `${clock(state.time || 0)} / ${length} · frame ${shown} of ${state.end}${state.waiting ? " · waits for the tracking" : ""}`;

@@ -4,7 +4,7 @@
 const [, FOUND, LOST] = [0, 1, 2]; // as the server says it
 
 // `runs` is a code and for how many columns it holds, and so on; the columns share the width evenly.
-export function drawLine(canvas, { end, last, shown, runs }) {
+export function drawLine(canvas, { end, last, shown, runs, color: own }) {
   const ratio = devicePixelRatio || 1;
   const [width, height] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
   if (!width || !height) return;
@@ -21,7 +21,7 @@ export function drawLine(canvas, { end, last, shown, runs }) {
   const count = runs.reduce((sum, value, at) => (at % 2 ? sum + value : sum), 0);
   // Where a column of pixels holds several runs a loss is on top: short ones stay visible.
   for (const wanted of [FOUND, LOST]) {
-    context.fillStyle = color(wanted === FOUND ? "--line-found" : "--line-lost");
+    context.fillStyle = wanted === FOUND ? own : color("--line-lost");
     let at = 0;
     for (let i = 0; i < runs.length; i += 2) {
       const from = Math.floor(at / count * width);
@@ -32,6 +32,10 @@ export function drawLine(canvas, { end, last, shown, runs }) {
       const top = wanted === FOUND ? height * 0.22 : height * 0.48;
       if (wanted === LOST) context.clearRect(from, height * 0.2, wide, height * 0.6);
       context.fillRect(from, top, wide, high);
+      if (wanted !== FOUND) continue;
+      context.fillStyle = color("--line-unknown"); // an edge: light colors on a light ground
+      for (const y of [top, top + high - ratio]) context.fillRect(from, y, wide, ratio);
+      context.fillStyle = own;
     }
   }
   const x = (shown + 0.5) / (end + 1) * width;

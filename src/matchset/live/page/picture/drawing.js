@@ -6,7 +6,8 @@ const SVG = "http://www.w3.org/2000/svg";
 const AXES = ["#ff6b6b", "#69db7c", "#74a9ff"]; // x, y, z, as everywhere in matchset
 const NAMES = ["x", "y", "z"];
 
-export function drawTarget(target, color, show, chosen) {
+// `width`: of the picture, where it is drawn with its name, since there are several.
+export function drawTarget(target, color, show, chosen, width = 0) {
   const parts = [];
   if (target.found && show.outline) {
     parts.push(shape("polygon", target.outline, { stroke: "#000", "stroke-width": chosen ? 5 : 4, "stroke-opacity": 0.55 }));
@@ -24,7 +25,24 @@ export function drawTarget(target, color, show, chosen) {
     }
   }
   if (target.found && show.axes && target.axes) parts.push(...axes(target.axes));
+  const outline = target.found ? target.outline : target.predicted;
+  if (width && show.name && outline?.length) parts.push(nameAt(outline, target, color, width));
   return parts;
+}
+
+// The name of a target at the upper right of its outline, or at the upper left where the picture ends.
+function nameAt(outline, target, color, width) {
+  const xs = outline.filter((_, index) => index % 2 === 0);
+  const ys = outline.filter((_, index) => index % 2);
+  const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  const aside = 0.12 * (right - left);
+  const before = left + right > 1.3 * width;
+  const name = made("text", {
+    x: before ? left + aside : right - aside, y: Math.max(top + 0.12 * (bottom - top), 0.05 * width), "text-anchor": before ? "end" : "start",
+    fill: color, stroke: "#000", class: "target-name",
+  });
+  name.textContent = target.alternatives?.length ? `${target.name}?` : target.name;
+  return name;
 }
 
 // A trail is a list of [time, x, y]; where it was lost there is a gap.

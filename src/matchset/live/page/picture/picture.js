@@ -20,7 +20,7 @@ export class PictureView {
     this.drawing = root.querySelector("#drawing");
     this.clicks = new Clicks(...["#clicks", "#hint", "#said"].map((name) => root.querySelector(name)));
     this.context = this.canvas.getContext("2d");
-    this.show = { outline: true, matchSet: false, trail: true, marker: true, axes: true };
+    this.show = { outline: true, matchSet: false, trail: true, marker: true, axes: true, name: true };
     this.trails = new Map();
     this.targets = [];
     this.chosen = null;
@@ -152,7 +152,7 @@ export class PictureView {
     for (const target of this.targets) {
       const color = colorOf(target.id);
       if (this.show.trail) parts.push(drawTrail(this.trails.get(target.id) || [], color));
-      parts.push(...drawTarget(target, color, this.show, target.id === this.chosen));
+      parts.push(...drawTarget(target, color, this.show, target.id === this.chosen, this.targets.length > 1 ? this.size[0] : 0));
     }
     if (this.wantsMask && this.maskOf !== null && this.maskOf !== this.targetOfMask(this.targets)) this.remask();
     if (this.line) parts.push(...drawTrace(this.line));

@@ -12,13 +12,15 @@ export class Reading {
     this.kind = null;
   }
 
-  show(target, several) {
+  // `all`: the targets that there are.
+  show(target, all) {
     const kind = target ? kindOf(target) : "";
     if (kind !== this.kind) this.build(target, kind);
     if (!target) return;
     this.dot.style.background = colorOf(target.id);
-    this.head.hidden = !several;
-    set(this.name, target.name);
+    this.head.hidden = all.length < 2;
+    const others = (target.alternatives || []).map((id) => all.find((each) => each.id === id)?.name).filter(Boolean);
+    set(this.name, others.length ? `${target.name}, or ${others.join(" or ")}` : target.name);
     if (target.found) this.showNumbers(valuesOf(target)); else if (target.pending) set(this.since, target.reason); else {
       set(this.words, target.reason);
       set(this.since, target.lost_for ? `for ${target.lost_for.toFixed(1)} s` : "not found yet");

@@ -1,8 +1,11 @@
-// The list of targets: name, color, diameter, marker, and a cross to drop one. A row stays while its target does.
+// The list of targets: name, color, diameter, marker, all like one, and a cross to drop it. A row stays while its target does.
 
 import { colorOf } from "../colors.js";
 import { element } from "./reading.js";
 import { parseMeasured } from "../units.js";
+
+const LONGEST = 60; // letters of a name
+const MANY = 3; // targets, with more of which only the chosen one shows its fields
 
 export class TargetList {
   // `askPoint(words, take)` waits for a click in the picture and hands it to take({sequence, x, y}).
@@ -35,30 +38,79 @@ export class TargetList {
     }
     if (chosen === null && targets.length) chosen = targets[targets.length - 1].id;
     if (chosen !== this.chosen || !this.rows.get(chosen)?.classList.contains("chosen")) this.choose(chosen);
+    this.root.dataset.many = targets.length > MANY;
     for (const target of targets) {
       this.showReadings(target);
-      const state = this.rows.get(target.id).querySelector(".state");
-      const words = target.found || target.pending ? "" : "lost";
-      if (state.textContent !== words) state.textContent = words;
+      this.showName(target, targets);
     }
     return targets.find((target) => target.id === this.chosen) || null;
+  }
+
+  // Its name, which may change, and in words what is in doubt.
+  showName(target, targets) {
+    const row = this.rows.get(target.id);
+    const others = (target.alternatives || []).map((id) => targets.find((each) => each.id === id)?.name).filter(Boolean);
+    const words = target.pending ? "" : target.found ? others.map((name) => `or ${name}?`).join(" ") : "lost";
+    const state = row.querySelector(".state");
+    if (state.textContent !== words) state.textContent = words;
+    const finds = String(Boolean(target.finds));
+    const all = row.querySelector(".all");
+    if (all.getAttribute("aria-pressed") !== finds) all.setAttribute("aria-pressed", finds);
+    if (row.dataset.name === target.name) return;
+    row.dataset.name = target.name;
+    row.querySelector(".name .words").textContent = target.name;
+    row.querySelector(".drop").setAttribute("aria-label", `drop ${target.name}`);
+    row.querySelector(".rename").setAttribute("aria-label", `rename ${target.name}`);
+    all.setAttribute("aria-label", `find all like ${target.name}`);
   }
 
   makeRow(target) {
     const row = element("li", "");
     const dot = element("span", "dot");
     dot.style.background = colorOf(target.id);
-    const name = element("button", "name", target.name);
-    name.type = "button";
-    name.append(" ", element("span", "state"));
-    name.addEventListener("click", () => this.choose(target.id));
-    const drop = element("button", "drop", "×");
-    drop.type = "button";
-    drop.setAttribute("aria-label", `drop ${target.name}`);
-    drop.addEventListener("click", () => this.send({ type: "drop", target: target.id }));
-    row.append(dot, name, drop, element("div", "readings"));
+    const make = (classes, words, title, does) => {
+      const button = element("button", classes, words);
+      button.type = "button";
+      button.title = title;
+      button.addEventListener("click", does);
+      return button;
+    };
+    const name = make("name", "", "double click: another name", () => this.choose(target.id));
+    name.append(element("span", "words"), " ", element("span", "state"));
+    name.addEventListener("dblclick", () => this.rename(row, target.id));
+    const pencil = make("rename", "✎", "another name", () => this.rename(row, target.id));
+    const drop = make("drop", "×", "follow it no more", () => this.send({ type: "drop", target: target.id }));
+    const all = make("all", "find all like this one", "all that looks like it is followed, too", () => {
+      this.send({ type: "find_all", target: target.id, on: all.getAttribute("aria-pressed") !== "true" });
+    });
+    row.append(dot, name, pencil, drop, element("div", "readings"), all);
     if ((target.shape || "circle") === "circle") row.append(this.makeDiameter(target), this.makeMarker(target));
     return row;
+  }
+
+  // A field in place of its name: Enter takes what is in it, Escape and leaving it do not.
+  rename(row, id) {
+    if (row.querySelector("form.naming")) return;
+    this.choose(id);
+    const [name, form, input] = [row.querySelector(".name"), element("form", "naming"), element("input", "")];
+    Object.assign(input, { maxLength: LONGEST, value: row.dataset.name, autocomplete: "off" });
+    input.setAttribute("aria-label", `another name for ${row.dataset.name}`);
+    form.append(input);
+    let open = true; // a form that goes loses the focus, too
+    const end = () => { if (open) { open = false; form.remove(); name.hidden = false; } };
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      const words = input.value.trim();
+      if (words && words !== row.dataset.name) this.send({ type: "rename", target: id, name: words });
+      end();
+      name.focus();
+    });
+    input.addEventListener("keydown", (event) => { if (event.key === "Escape") { event.stopPropagation(); end(); name.focus(); } });
+    input.addEventListener("blur", end);
+    name.hidden = true;
+    name.after(form);
+    input.select();
+    input.focus();
   }
 
   // What the click may mean, one button each; the one that was taken is pressed.

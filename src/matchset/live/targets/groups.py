@@ -1,0 +1,230 @@
+"""Which of the targets before a camera look alike and are followed together: `AlikeGroups`."""
+
+import itertools
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import msgspec
+
+from matchset.image.frame import Frame
+from matchset.live.targets.alike import ALIKE, AlikeParameters, AlikeTracker, TogetherAnswer, are_alike, joined, on_one
+from matchset.live.targets.target import ClickedTarget
+from matchset.tracking.track import Lost, Track
+
+
+class GroupParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How long targets last, and what a source that begins anew does.
+
+    Parameters
+    ----------
+    gone : float
+        How long a target that was found without a click is not seen before it ends, s. Longer: it keeps its name, and
+        the list is full of what is not there. Chosen by hand.
+    away : float
+        How long ago targets count as seen when a source begins anew, s: they may be anywhere. Chosen by hand: longer
+        than `AlikeParameters.tracker` waits before it searches the whole picture.
+    alike : AlikeParameters
+    """
+
+    gone: float = 5.0
+    away: float = 2.0
+    alike: AlikeParameters = ALIKE
+
+
+class AlikeGroup:
+    """Targets that look alike.
+
+    Parameters
+    ----------
+    members : sequence of ClickedTarget
+    finds : bool
+        Whether all that looks like them is followed, too.
+    parameters : GroupParameters
+
+    Attributes
+    ----------
+    members : dict of int to ClickedTarget
+    finds : bool
+    """
+
+    def __init__(self, members: Sequence[ClickedTarget], finds: bool, parameters: GroupParameters) -> None:
+        self.members = {each.number: each for each in members}
+        self.finds, self._parameters = finds, parameters
+        self.begin_anew(None)
+
+    def begin_anew(self, away: float | None) -> None:
+        """Take all members over from where they were seen last, or, `away`, as if that had been at this time, s."""
+        color = joined(each.color for each in self.members.values())
+        family = next(iter(self.members.values())).family
+        self._tracker = AlikeTracker(family, color, self.finds, self._parameters.alike)
+        for each in self.members.values():
+            self.add(each, away)
+
+    def add(self, target: ClickedTarget, away: float | None = None) -> None:
+        """Follow a target, too."""
+        self.members[target.number] = target
+        if target.last is None:
+            return
+        track = target.last if away is None else msgspec.structs.replace(target.last, time=away)
+        self._tracker.add(target.number, track, away is not None or isinstance(target.answer, Lost))
+
+    def remove(self, number: int) -> None:
+        """Follow a target no more."""
+        del self.members[number]
+        self._tracker.remove(number)
+
+    def update(
+        self, frame: Frame, room: int, begin: Callable[[ClickedTarget], ClickedTarget]
+    ) -> dict[int, TogetherAnswer]:
+        """Follow all into a frame; of what is found `room` more are begun."""
+
+        def found() -> int | None:
+            nonlocal room
+            if room <= 0:
+                return None
+            room -= 1
+            born = begin(next(iter(self.members.values())))
+            self.members[born.number] = born
+            return born.number
+
+        def name(number: int) -> str:
+            return self.members[number].name
+
+        self._tracker.finds = self.finds and room > 0
+        try:
+            return self._tracker.update(frame, name, found)
+        except ValueError:  # a time that runs anew
+            self.begin_anew(frame.time - self._parameters.away)
+            return self._tracker.update(frame, name, found)
+
+
+class AlikeGroups:
+    """Groups of targets that look alike; what looks like no other is in none and has a tracker of its own.
+
+    Parameters
+    ----------
+    parameters : GroupParameters, optional
+    """
+
+    def __init__(self, parameters: GroupParameters | None = None) -> None:
+        self._parameters = parameters or GroupParameters()
+        self._groups: list[AlikeGroup] = []
+        self._away = False
+
+    def of(self, number: int) -> AlikeGroup | None:
+        """Return the group of a target."""
+        return next((each for each in self._groups if number in each.members), None)
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._groups.clear()
+
+    def restart(self) -> None:
+        """Take note that the source begins anew: where targets were says nothing any more."""
+        self._away = True
+
+    def join(self, target: ClickedTarget, others: Iterable[ClickedTarget]) -> None:
+        """Follow a target together with one of the others that looks like it, if there is one."""
+        for other in others:
+            alike = other is not target and other.family is target.family and other.last is not None
+            if not (alike and are_alike(target.color, other.color, self._parameters.alike)):
+                continue
+            group = self.of(other.number)
+            if group is None:
+                self._groups.append(AlikeGroup((other, target), False, self._parameters))
+            else:
+                group.members[target.number] = target
+                group.begin_anew(None)
+            return
+
+    def leave(self, number: int) -> None:
+        """Follow a target no longer with others; the last one that stays has a tracker of its own again."""
+        group = self.of(number)
+        if group is not None:
+            group.remove(number)
+            self._dissolve(group)
+
+    def _dissolve(self, group: AlikeGroup) -> None:
+        if group.members and (group.finds or len(group.members) > 1):
+            return
+        self._groups.remove(group)
+        for each in group.members.values():
+            each.follow_alone()
+
+    def find_all(self, target: ClickedTarget, on: bool) -> None:
+        """Follow all that looks like a target, too; or no more of them than there are."""
+        group = self.of(target.number)
+        if group is None and on:
+            self._groups.append(AlikeGroup((target,), True, self._parameters))
+        elif group is not None:
+            group.finds = on
+            self._dissolve(group)
+
+    def recolor(self, number: int) -> None:
+        """Take note that a target has another color, such as that of its marker, too."""
+        group = self.of(number)
+        if group is not None:
+            group.begin_anew(None)
+
+    def update(
+        self, frame: Frame, room: int, begin: Callable[[ClickedTarget], ClickedTarget]
+    ) -> dict[int, TogetherAnswer]:
+        """Follow all groups into a frame.
+
+        Parameters
+        ----------
+        frame : Frame
+        room : int
+            How many more targets there may be.
+        begin : callable
+            Begins a target that looks like another one.
+
+        Returns
+        -------
+        dict of int to TogetherAnswer
+            By number.
+        """
+        answers: dict[int, TogetherAnswer] = {}
+        for group in self._groups:
+            if self._away:
+                group.begin_anew(frame.time - self._parameters.away)
+            before = len(group.members)
+            answers |= group.update(frame, room, begin)
+            room -= len(group.members) - before
+        self._away = False
+        return answers
+
+    def gone(self, targets: Iterable[ClickedTarget], time: float) -> list[int]:
+        """Return the targets that nobody has clicked or named, and that are not seen any more."""
+        limit = self._parameters.gone
+        return [
+            each.number
+            for each in targets
+            if not (each.is_kept or each.seen is None or 0.0 <= time - each.seen <= limit)
+        ]
+
+    def merge(self, targets: Mapping[int, ClickedTarget], frame: Frame) -> dict[int, TogetherAnswer]:
+        """Follow those together that were found on one outline, from where they were seen before this frame."""
+        answers: dict[int, TogetherAnswer] = {}
+        for one, other in itertools.combinations(targets.values(), 2):
+            if one.family is not other.family or not _on_one(one, other):
+                continue
+            if self.of(one.number) is not None and self.of(one.number) is self.of(other.number):
+                continue
+            groups = [self.of(each.number) for each in (one, other)]
+            members = {one.number: one, other.number: other}
+            for group in {id(each): each for each in groups}.values():
+                if group is not None:
+                    members |= group.members
+                    self._groups.remove(group)
+            for each in members.values():
+                each.last = each.before
+            finds = any(group is not None and group.finds for group in groups)
+            merged = AlikeGroup(list(members.values()), finds, self._parameters)
+            self._groups.append(merged)
+            answers |= merged.update(frame, 0, lambda each: each)
+        return answers
+
+
+def _on_one(one: ClickedTarget, other: ClickedTarget) -> bool:
+    a, b = one.answer, other.answer
+    return isinstance(a, Track) and isinstance(b, Track) and on_one(a, b)

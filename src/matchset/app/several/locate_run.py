@@ -17,6 +17,7 @@ from matchset.app.several.poses import LocatedTargets, TargetsLocator, locate_se
 from matchset.app.several.target_rows import TargetTable
 from matchset.app.track.loop import exit_code
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
+from matchset.app.viewers.run import viewed
 from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
 from matchset.tracking.many.parameters import MultiTrackerParameters
@@ -47,7 +48,12 @@ def run_locate_several(options: LocateOptions) -> int:
         folder = output_folder(options.out, "locate", options.force)
         counts, out = TargetCounts(), sys.stderr if options.to_stdout else sys.stdout
         jsonl = folder / "poses.jsonl" if options.jsonl else None
-        files = [folder / "poses.csv", *([] if jsonl is None else [jsonl]), folder / "latency.csv"]
+        files = [
+            folder / "poses.csv",
+            *([] if jsonl is None else [jsonl]),
+            folder / "latency.csv",
+            *options.viewers.files,
+        ]
         try:
             table, latency = TargetTable(folder / "poses.csv", target_pose_columns(), jsonl), latency_table(folder)
             wanted = WantedPictures.of(options, "locate", folder, video)
@@ -56,6 +62,7 @@ def run_locate_several(options: LocateOptions) -> int:
             part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
             located = locate_several(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
+            located = viewed(located, options.viewers, (options.source, options.force), (camera, 2.0 * ball.radius))
             write_frames(located, outputs, counts, video, options.to_stdout, "locating")
             files += outputs.pictures.files
         finally:

@@ -20,6 +20,7 @@ from matchset.app.track.loop import exit_code
 from matchset.app.track.options import TrackOptions
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.run import tables_of
+from matchset.app.viewers.run import viewed
 from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
@@ -51,6 +52,7 @@ def run_several(options: TrackOptions) -> int:
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
             frames = follow_several(used, follower, gaps=not video.live, stop=stop, whole=part.start is None)
             frames = noted(frames, options.several.mot, options.force, options.source)
+            frames = viewed(frames, options.viewers, (options.source, options.force))
             write_frames(frames, outputs, counts, video, options.to_stdout)
             files += outputs.pictures.files
         finally:

@@ -25,7 +25,7 @@ from matchset.app.track.rows import track_row
 from matchset.app.viewers.foxglove_file import ALL, LINE_LIST, LINE_LOOP, FoxgloveFile
 from matchset.app.viewers.options import ViewerOptions
 from matchset.app.viewers.run import ViewerParameters, viewed
-from matchset.app.viewers.seen import CORNER, SeenFrame, SeenTarget, seen_frame
+from matchset.app.viewers.viewed_frame import CORNER, ViewedFrame, ViewedTarget, viewed_frame
 from matchset.flight.recording.mcap_file import McapReader
 from several_balls import FRAMES, RADIUS, SIZE, picture, places, write_pictures
 
@@ -133,7 +133,7 @@ def test_a_ball_before_the_camera_lies_in_its_outline(tmp_path: Path) -> None:
     place = np.array((0.0, 0.0, 1.5))
     pose = ms.Pose(position=place, rotation_matrix=None, covariance=np.eye(6), observed="position", time=0.0)
     with FoxgloveFile(tmp_path / "a.mcap", camera, 0.3) as file:
-        file.write(SeenFrame(0, 0.0, b"jpeg", (SeenTarget(ms.Target(0, "", track, 0.0), pose),)))
+        file.write(ViewedFrame(0, 0.0, b"jpeg", (ViewedTarget(ms.Target(0, "", track, 0.0), pose),)))
     read = read_foxglove_file(tmp_path / "a.mcap")
     k = np.array(of("/camera/calibration", read)[0].message["K"]).reshape(3, 3)
     ring = points_of(of("/camera/outlines", read)[0].message["points"][0])
@@ -170,9 +170,9 @@ def test_the_file_is_listed(matchset: Matchset, balls: Path, capsys: pytest.Capt
         assert Path(name).exists()
 
 
-def lost(predicted: ms.Circle | None) -> SeenFrame:
+def lost(predicted: ms.Circle | None) -> ViewedFrame:
     target: ms.Target[Any] = ms.Target(4, "red", ms.Lost("hidden", 2.5, predicted), 0.0)
-    return SeenFrame(75, 2.5, b"jpeg", (SeenTarget(target),))
+    return ViewedFrame(75, 2.5, b"jpeg", (ViewedTarget(target),))
 
 
 def test_where_a_lost_target_should_be_is_dashed_and_what_is_nowhere_is_not_drawn(tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_where_a_lost_target_should_be_is_dashed_and_what_is_nowhere_is_not_draw
     with FoxgloveFile(tmp_path / "a.mcap", camera, 0.3) as file:
         file.write(lost(ms.Circle(100.0, 80.0, 20.0)))
         file.write(lost(None))
-        file.write(SeenFrame(77, 2.6, b"", ()))  # could not be decoded
+        file.write(ViewedFrame(77, 2.6, b"", ()))  # could not be decoded
     read = read_foxglove_file(tmp_path / "a.mcap")
     dashed, nothing = (each.message for each in of("/camera/outlines", read))
     (line,), (text,) = dashed["points"], dashed["texts"]
@@ -319,4 +319,4 @@ def test_a_signal_leaves_a_whole_file(tmp_path: Path) -> None:
 def test_the_quality_of_pictures_is_checked() -> None:
     with pytest.raises(ValueError, match="quality must be"):
         ViewerParameters(quality=0)
-    assert len(seen_frame(tracked(0), 20).jpeg) < len(seen_frame(tracked(0), 95).jpeg) / 2
+    assert len(viewed_frame(tracked(0), 20).jpeg) < len(viewed_frame(tracked(0), 95).jpeg) / 2

@@ -15,7 +15,7 @@ import pytest
 
 from matchset.app.locate.rows import read_poses
 from matchset.app.several.painter import PALETTE
-from matchset.app.viewers.seen import CORNER
+from matchset.app.viewers.viewed_frame import CORNER
 from several_balls import FRAMES, SIZE, picture, write_pictures
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -5,7 +5,7 @@ from typing import Any
 
 from matchset.app.viewers.foxglove_definitions import foxglove_encoder, foxglove_schema
 from matchset.app.viewers.mcap_writer import Channel, ChannelWriter
-from matchset.app.viewers.seen import CORNER, Points, SeenFrame, SeenTarget
+from matchset.app.viewers.viewed_frame import CORNER, Points, ViewedFrame, ViewedTarget
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
@@ -52,7 +52,7 @@ class FoxgloveFile(Closing):
         self._camera, self._diameter = camera, diameter
         self._writer = ChannelWriter(path)
 
-    def write(self, seen: SeenFrame) -> None:
+    def write(self, seen: ViewedFrame) -> None:
         """Append a frame; one that could not be decoded has no picture, and no message.
 
         Raises
@@ -83,7 +83,7 @@ class FoxgloveFile(Closing):
         """Finish the file."""
         self._writer.close()
 
-    def _entity(self, seen: SeenTarget, pose: Pose, stamp: Message) -> Message:
+    def _entity(self, seen: ViewedTarget, pose: Pose, stamp: Message) -> Message:
         """SceneEntity of a ball: a sphere, and its numbers."""
         told = {name: measured(value, sigma) for name, (value, sigma) in seen.measured().items()}
         told = {"identity": str(seen.target.identity), "label": seen.target.label, **told}
@@ -97,12 +97,12 @@ class FoxgloveFile(Closing):
         }
 
 
-def annotations(targets: tuple[SeenTarget, ...], stamp: Message) -> Message:
+def annotations(targets: tuple[ViewedTarget, ...], stamp: Message) -> Message:
     """ImageAnnotations of the targets in a frame: outlines, dashed where one should be, with their names.
 
     Parameters
     ----------
-    targets : tuple of SeenTarget
+    targets : tuple of ViewedTarget
     stamp : dict
         A timestamp.
     """
@@ -148,11 +148,11 @@ def _placed(pose: Pose) -> Message:
     return {"position": position, "orientation": dict(zip("xyzw", turn, strict=True))}
 
 
-def _color(seen: SeenTarget, opacity: float = 1.0) -> Message:
+def _color(seen: ViewedTarget, opacity: float = 1.0) -> Message:
     return dict(zip("rgba", (*(part / 255.0 for part in seen.color), opacity), strict=True))
 
 
-def _line(kind: int, points: Points, seen: SeenTarget, width: float, stamp: Message) -> Message:
+def _line(kind: int, points: Points, seen: ViewedTarget, width: float, stamp: Message) -> Message:
     return {
         "timestamp": stamp,
         "type": kind,
@@ -162,7 +162,7 @@ def _line(kind: int, points: Points, seen: SeenTarget, width: float, stamp: Mess
     }
 
 
-def _name(points: Points, seen: SeenTarget, stamp: Message) -> Message:
+def _name(points: Points, seen: ViewedTarget, stamp: Message) -> Message:
     """TextAnnotation at the upper right of an outline."""
     return {
         "timestamp": stamp,

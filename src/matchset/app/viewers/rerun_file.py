@@ -7,7 +7,7 @@ import numpy as np
 
 from matchset.app.disk import name_beside
 from matchset.app.several.painter import PALETTE
-from matchset.app.viewers.seen import CORNER, SeenFrame, SeenTarget
+from matchset.app.viewers.viewed_frame import CORNER, ViewedFrame, ViewedTarget
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
@@ -51,7 +51,7 @@ class RerunFile(Closing):
         if camera is not None:
             self._record.log("camera", self._pinhole(camera), static=True)
 
-    def write(self, seen: SeenFrame) -> None:
+    def write(self, seen: ViewedFrame) -> None:
         """Append a frame; of one that could not be decoded the targets only."""
         clock = "timestamp" if seen.time > EPOCH else "duration"
         self._record.set_time("capture_time", **{clock: seen.time})
@@ -73,7 +73,7 @@ class RerunFile(Closing):
         if self._beside != self._path:
             self._beside.replace(self._path)
 
-    def _target(self, seen: SeenTarget) -> None:
+    def _target(self, seen: ViewedTarget) -> None:
         """Log a target: outline, place, numbers."""
         identity = seen.target.identity
         lines = self._lines(seen)
@@ -88,7 +88,7 @@ class RerunFile(Closing):
         for name, (value, sigma) in numbers.items():
             self._plot(f"measured/{name}/{identity}", seen, value, sigma)
 
-    def _plot(self, entity: str, seen: SeenTarget, value: float, sigma: float | None) -> None:
+    def _plot(self, entity: str, seen: ViewedTarget, value: float, sigma: float | None) -> None:
         """Log a number, with what is one standard deviation below and above it."""
         if entity not in self._plotted:
             self._plotted.add(entity)
@@ -103,7 +103,7 @@ class RerunFile(Closing):
         self._logged.add(entity)
         self._record.log(entity, *parts)
 
-    def _lines(self, seen: SeenTarget) -> Any:
+    def _lines(self, seen: ViewedTarget) -> Any:
         """Return the outline, in dashes where it should be; None where that is not known."""
         ring, dashes = seen.outline, seen.predicted
         if ring is not None:
@@ -116,7 +116,7 @@ class RerunFile(Closing):
         labels = [seen.words, *[""] * (len(strips) - 1)]
         return self._rerun.LineStrips2D(strips, class_ids=[group] * len(strips), labels=labels, radii=width)
 
-    def _ball(self, seen: SeenTarget, pose: Pose) -> tuple[Any, Any]:
+    def _ball(self, seen: ViewedTarget, pose: Pose) -> tuple[Any, Any]:
         turn = np.eye(3) if pose.rotation_matrix is None else pose.rotation_matrix
         place = self._rerun.Transform3D(translation=pose.position, mat3x3=turn)
         size = [[self._radius] * 3]

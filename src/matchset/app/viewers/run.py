@@ -10,7 +10,7 @@ from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileE
 from matchset.app.pictures.run_pictures import DrawnFrame
 from matchset.app.run_folder import output_file
 from matchset.app.viewers.options import ViewerOptions
-from matchset.app.viewers.seen import SeenFrame, seen_frame
+from matchset.app.viewers.viewed_frame import ViewedFrame, viewed_frame
 from matchset.camera.camera_model import CameraModel
 from matchset.media.closing import Closing, close_all
 from matchset.numeric.arguments import require_within
@@ -41,7 +41,7 @@ class ViewerParameters(msgspec.Struct, frozen=True, kw_only=True):
 class ViewerFile(Protocol):
     """What writes frames to a file of its own."""
 
-    def write(self, seen: SeenFrame) -> None:
+    def write(self, seen: ViewedFrame) -> None:
         """Append a frame."""
         ...
 
@@ -72,7 +72,7 @@ class GuardedFile(Closing):
         self._error: OSError | None = None
         self._written = self._offered = 0
 
-    def write(self, seen: SeenFrame) -> None:
+    def write(self, seen: ViewedFrame) -> None:
         """Append a frame, if there is still room."""
         self._offered += 1
         if self._error is not None:
@@ -124,7 +124,7 @@ def viewed(
         for path, open_file in _openers(options, source, located):
             files.append(GuardedFile(path, open_file, chosen))  # those before one that fails are closed
         for each in frames:
-            seen = seen_frame(each, chosen.quality)
+            seen = viewed_frame(each, chosen.quality)
             for file in files:
                 file.write(seen)
             yield each

@@ -1,4 +1,4 @@
-"""A frame as viewers take it: its picture as JPEG, its targets with outlines and poses (`SeenFrame`)."""
+"""A frame as viewers take it: its picture as JPEG, its targets with outlines and poses (`ViewedFrame`)."""
 
 import math
 from typing import Any
@@ -27,7 +27,7 @@ CORNER = 0.5  # format: viewers count from the corner of the first pixel, px; he
 _words = target_words(True)
 
 
-class SeenTarget(msgspec.Struct, frozen=True):
+class ViewedTarget(msgspec.Struct, frozen=True):
     """One target in one frame.
 
     Parameters
@@ -79,7 +79,7 @@ class SeenTarget(msgspec.Struct, frozen=True):
         return {} if self.track is None else self.track.measured()
 
 
-class SeenFrame(msgspec.Struct, frozen=True):
+class ViewedFrame(msgspec.Struct, frozen=True):
     """One frame of a run with its targets.
 
     Parameters
@@ -90,16 +90,16 @@ class SeenFrame(msgspec.Struct, frozen=True):
         When it was taken, s.
     jpeg : bytes
         The picture; empty if it could not be decoded.
-    targets : tuple of SeenTarget
+    targets : tuple of ViewedTarget
     """
 
     number: int
     time: float
     jpeg: bytes
-    targets: tuple[SeenTarget, ...]
+    targets: tuple[ViewedTarget, ...]
 
 
-def seen_frame(answered: DrawnFrame, quality: int) -> SeenFrame:
+def viewed_frame(answered: DrawnFrame, quality: int) -> ViewedFrame:
     """Take a frame of a run.
 
     Parameters
@@ -116,10 +116,10 @@ def seen_frame(answered: DrawnFrame, quality: int) -> SeenFrame:
     elif isinstance(answered, LocatedTargets):
         poses = answered.poses
     seen = tuple(
-        SeenTarget(each, pose if isinstance(pose, Pose) else None) for each, pose in zip(targets, poses, strict=True)
+        ViewedTarget(each, pose if isinstance(pose, Pose) else None) for each, pose in zip(targets, poses, strict=True)
     )
     row, frame = answered.row, answered.frame
-    return SeenFrame(row.frame, row.time, b"" if frame is None else _jpeg(frame.image, quality), seen)
+    return ViewedFrame(row.frame, row.time, b"" if frame is None else _jpeg(frame.image, quality), seen)
 
 
 def _jpeg(image: npt.NDArray[np.uint8], quality: int) -> bytes:

@@ -16,10 +16,13 @@ def looked_at(path: str) -> dict[str, Any]:
         if chunk.entity_path == "/__properties":
             continue
         batch = chunk.to_record_batch()
-        entity = found.setdefault(chunk.entity_path, {"timelines": [], "rows": 0, "columns": {}})
+        entity = found.setdefault(chunk.entity_path, {"timelines": [], "rows": 0, "columns": {}, "cleared": []})
         entity["rows"] += batch.num_rows
         entity["static"] = chunk.is_static
         entity["timelines"] = sorted({*entity["timelines"], *chunk.timeline_names})
+        if "Clear:is_recursive" in batch.schema.names:
+            entity["cleared"] += batch.column("frame").to_pylist()
+            continue
         for name in batch.schema.names:
             if name.startswith("rerun.controls"):
                 continue

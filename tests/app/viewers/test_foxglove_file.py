@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import math
+import re
 import resource
 import signal
 import subprocess
@@ -107,7 +108,7 @@ def test_several_balls_have_names_colors_poses_and_spheres(matchset: Matchset, b
             assert sphere["size"] == {"x": 0.3, "y": 0.3, "z": 0.3}
             told = {pair["key"]: pair["value"] for pair in entity["metadata"]}
             assert told["identity"] == entity["id"]
-            assert "±" in told["z"]
+            assert re.fullmatch(r"\d\.\d+ ±0\.\d+ m", told["z"])
 
 
 def test_camera_sphere_and_outline_lie_on_each_other(matchset: Matchset, balls: Path) -> None:

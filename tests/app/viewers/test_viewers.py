@@ -3,6 +3,8 @@
 import csv
 import json
 import os
+import re
+import resource
 import signal
 import subprocess
 import sys
@@ -58,6 +60,12 @@ def rerun_command(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [str(VIEWERS / "bin" / "rerun"), *map(str, words)], capture_output=True, text=True, timeout=120, check=False
     )
+
+
+def printed_pictures(path: Path) -> int:
+    """How many pictures Rerun's program finds in a file, also in one that ends in the middle of a message."""
+    rows = re.findall(r"with (\d+) rows .* - /camera/image - ", rerun_command("rrd", "print", path).stdout)
+    return sum(map(int, rows))
 
 
 def test_foxglove_encodes_the_same_bytes_under_the_same_schemas(balls: Path, tmp_path: Path) -> None:
@@ -137,6 +145,38 @@ def test_rerun_reads_what_was_tracked_without_a_camera(balls: Path, tmp_path: Pa
         assert np.hypot(*away.T) == pytest.approx(float(row["radius"]), abs=2e-3)
 
 
+def test_what_rerun_could_not_write_is_said(balls: Path, tmp_path: Path) -> None:
+    def short_of_room() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))
+
+    words = command("track", balls, "--pick", "60,60", "--no-video", "-o", "out", "--rerun", "a.rrd")
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, preexec_fn=short_of_room, check=False)
+    assert done.returncode == 2, done.stderr
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("error: a.rrd: Rerun could not write it: ")
+    assert last.endswith(f"; it holds at most {FRAMES} of {FRAMES} frames")
+    with (tmp_path / "out" / "tracks.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == FRAMES
+    assert 0 < printed_pictures(tmp_path / "a.rrd") < FRAMES
+
+
+def test_where_a_ball_is_lost_its_curve_has_a_gap(tmp_path: Path) -> None:
+    frames = write_pictures(tmp_path / "frames")
+    for k in range(10, 15):
+        image = picture(k)
+        image[:] = image[0, 0]
+        cv2.imwrite(str(frames / f"{k:04d}.png"), image)
+    run(tmp_path, "track", frames, "--pick", "60,60", "--no-video", "-o", "out", "--rerun", "a.rrd")
+    with (tmp_path / "out" / "tracks.csv").open() as file:
+        found = [row["found"] == "1" for row in csv.DictReader(file)]
+    assert not all(found)
+    entities = asked("peer_rerun.py", tmp_path / "a.rrd")["entities"]
+    curve = entities["/measured/x/0"]
+    assert curve["cleared"] == [k for k in range(1, FRAMES) if found[k - 1] and not found[k]]
+    assert curve["columns"]["frame"] == [k for k in range(FRAMES) if found[k]]
+    assert len(entities["/camera/image"]["columns"]["frame"]) == FRAMES
+
+
 @pytest.mark.parametrize(("signalled", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -9)])
 def test_a_run_that_is_stopped_leaves_what_rerun_reads(tmp_path: Path, signalled: signal.Signals, code: int) -> None:
     writer = cv2.VideoWriter(str(tmp_path / "long.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 30.0, SIZE)
@@ -152,8 +192,7 @@ def test_a_run_that_is_stopped_leaves_what_rerun_reads(tmp_path: Path, signalled
         os.kill(process.pid, signalled)
         lines += out.read().splitlines()
         assert process.wait(timeout=60) == code, err.read()
-    entities = asked("peer_rerun.py", tmp_path / "a.rrd")["entities"]
-    pictures = len(entities["/camera/image"]["columns"]["frame"])
+    pictures = printed_pictures(tmp_path / "a.rrd")
     if signalled == signal.SIGINT:
         assert pictures == len(lines) < 1500
         assert rerun_command("rrd", "verify", tmp_path / "a.rrd").returncode == 0

@@ -85,8 +85,9 @@ class FoxgloveFile(Closing):
 
     def _entity(self, seen: ViewedTarget, pose: Pose, stamp: Message) -> Message:
         """SceneEntity of a ball: a sphere, and its numbers."""
-        told = {name: measured(value, sigma) for name, (value, sigma) in seen.measured().items()}
-        told = {"identity": str(seen.target.identity), "label": seen.target.label, **told}
+        told = {"identity": str(seen.target.identity), "label": seen.target.label}
+        for name, (value, sigma) in seen.measured().items():
+            told[name] = f"{measured(value, sigma)} {'rad' if name == 'yaw' else 'm'}"
         size = dict.fromkeys("xyz", self._diameter)
         return {
             "timestamp": stamp,

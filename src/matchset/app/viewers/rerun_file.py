@@ -1,5 +1,6 @@
 """A result for the viewer Rerun: `RerunFile`; it imports the package rerun when one is opened."""
 
+import errno
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,7 @@ class RerunFile(Closing):
 
     Raises
     ------
-    ValueError
+    OSError
         If the file cannot be written.
     """
 
@@ -65,13 +66,24 @@ class RerunFile(Closing):
         self._there, self._logged = self._logged, set()
 
     def close(self) -> None:
-        """Finish the file, and give it its name."""
+        """Finish the file, and give it its name.
+
+        Raises
+        ------
+        OSError
+            If Rerun's thread could not write all of it.
+        """
         if self._closed:
             return
         self._closed = True
-        self._record.disconnect()
-        if self._beside != self._path:
-            self._beside.replace(self._path)
+        try:
+            self._record.flush()
+        except RuntimeError as error:
+            raise OSError(errno.EIO, f"Rerun could not write it: {error}", str(self._path)) from error
+        finally:
+            self._record.disconnect()
+            if self._beside != self._path:
+                self._beside.replace(self._path)
 
     def _target(self, seen: ViewedTarget) -> None:
         """Log a target: outline, place, numbers."""

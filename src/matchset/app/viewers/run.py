@@ -87,12 +87,13 @@ class GuardedFile(Closing):
 
     def close(self) -> None:
         """Finish the file."""
+        content = f"{self._written} of {self._offered} frames"
         try:
             self._file.close()
         except OSError as error:
-            self._error = self._error or error
+            if self._error is None:
+                self._error, content = error, f"at most {content}"
         if self._error is not None:
-            content = f"{self._written} of {self._offered} frames"
             raise UnfinishedFileError(self._error, self._path, content) from self._error
 
 

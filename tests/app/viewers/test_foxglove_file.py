@@ -295,8 +295,9 @@ def test_what_does_not_fit_ends_with_a_whole_frame(tmp_path: Path) -> None:
 
 def test_a_signal_leaves_a_whole_file(tmp_path: Path) -> None:
     writer = cv2.VideoWriter(str(tmp_path / "long.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 30.0, SIZE)
+    image = picture(0)
     for _ in range(1500):
-        writer.write(picture(0))
+        writer.write(image)
     writer.release()
     words = ["track", "long.mp4", "--pick", "60,60", "--print", "-o", "out", "--mcap", "out.mcap"]
     process = subprocess.Popen(

@@ -1,13 +1,12 @@
 """A result for the viewer Rerun: `RerunFile`; it imports the package rerun when one is opened."""
 
-import errno
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from matchset.app.disk import name_beside
 from matchset.app.several.painter import PALETTE
+from matchset.app.viewers.piped_file import PipedFile
 from matchset.app.viewers.viewed_frame import CORNER, ViewedFrame, ViewedTarget
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.pose import Pose
@@ -39,12 +38,13 @@ class RerunFile(Closing):
         import rerun
 
         self._rerun: Any = rerun
-        self._path, self._beside, self._radius = path, name_beside(path), 0.5 * diameter
-        self._beside.open("wb").close()  # an error of ours, not one of Rerun's thread
+        self._radius = 0.5 * diameter
+        self._file = PipedFile(path)
         self._record = rerun.RecordingStream("matchset")
         self._record.set_log_time_enabled(False)
         self._record.set_log_tick_enabled(False)
-        self._record.save(self._beside)
+        self._record.save(self._file.name)
+        self._file.opened()
         self._there, self._logged, self._plotted = set[str](), set[str](), set[str]()
         self._planned = self._closed = False
         classes = [(k, "", (red, green, blue)) for k, (blue, green, red) in enumerate(PALETTE)]
@@ -71,19 +71,13 @@ class RerunFile(Closing):
         Raises
         ------
         OSError
-            If Rerun's thread could not write all of it.
+            If not all of it could be written.
         """
         if self._closed:
             return
         self._closed = True
-        try:
-            self._record.flush()
-        except RuntimeError as error:
-            raise OSError(errno.EIO, f"Rerun could not write it: {error}", str(self._path)) from error
-        finally:
-            self._record.disconnect()
-            if self._beside != self._path:
-                self._beside.replace(self._path)
+        self._record.disconnect()
+        self._file.close()
 
     def _target(self, seen: ViewedTarget) -> None:
         """Log a target: outline, place, numbers."""

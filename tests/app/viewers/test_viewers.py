@@ -154,7 +154,7 @@ def test_rerun_reads_what_was_tracked_without_a_camera(balls: Path, tmp_path: Pa
 
 def test_what_rerun_could_not_write_is_said(tmp_path: Path) -> None:
     def short_of_room() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2_500_000, resource.RLIM_INFINITY))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1_600_000, resource.RLIM_INFINITY))
 
     write_long_video(tmp_path / "long.mp4", 500)
     words = command("track", "long.mp4", "--pick", "60,60", "--no-video", "-o", "out", "--rerun", "a.rrd")

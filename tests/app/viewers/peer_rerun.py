@@ -16,7 +16,9 @@ def looked_at(path: str) -> dict[str, Any]:
         if chunk.entity_path == "/__properties":
             continue
         batch = chunk.to_record_batch()
-        entity = found.setdefault(chunk.entity_path, {"timelines": [], "rows": 0, "columns": {}, "cleared": []})
+        entity = found.setdefault(
+            chunk.entity_path, {"timelines": [], "rows": 0, "columns": {}, "kinds": {}, "cleared": []}
+        )
         entity["rows"] += batch.num_rows
         entity["static"] = chunk.is_static
         entity["timelines"] = sorted({*entity["timelines"], *chunk.timeline_names})
@@ -27,6 +29,7 @@ def looked_at(path: str) -> dict[str, Any]:
             if name.startswith("rerun.controls"):
                 continue
             column = batch.column(name)
+            entity["kinds"][name] = str(column.type)
             if pyarrow.types.is_temporal(column.type):
                 column = column.cast(pyarrow.int64())
             values = column.to_pylist()

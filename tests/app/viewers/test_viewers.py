@@ -17,7 +17,8 @@ import pytest
 
 from matchset.app.locate.rows import read_poses
 from matchset.app.several.painter import PALETTE
-from matchset.app.viewers.viewed_frame import CORNER
+from matchset.app.viewers.foxglove_file import FoxgloveFile
+from matchset.app.viewers.viewed_frame import CORNER, ViewedFrame
 from several_balls import FRAMES, SIZE, picture, write_pictures
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -152,6 +153,18 @@ def test_rerun_reads_what_was_tracked_without_a_camera(balls: Path, tmp_path: Pa
     for row, strips in zip(rows, entities["/camera/outlines/0"]["columns"]["LineStrips2D:strips"], strict=True):
         away = np.array(strips[0]) - CORNER - (float(row["x"]), float(row["y"]))
         assert np.hypot(*away.T) == pytest.approx(float(row["radius"]), abs=2e-3)
+
+
+def test_times_of_a_bag_are_dates(tmp_path: Path) -> None:
+    begin = 1_790_000_000.25
+    with FoxgloveFile(tmp_path / "bag.mcap") as file:
+        for k in range(5):
+            coded = cv2.imencode(".jpg", picture(k))[1].tobytes()
+            file.write(ViewedFrame(k, begin + k / 30.0, coded, ()))
+    run(tmp_path, "track", "bag.mcap", "--pick", "60,60", "--no-video", "-o", "out", "--rerun", "a.rrd")
+    image = asked("peer_rerun.py", tmp_path / "a.rrd")["entities"]["/camera/image"]
+    assert image["columns"]["capture_time"] == pytest.approx([1e9 * (begin + k / 30.0) for k in range(5)], abs=2000)
+    assert image["kinds"]["capture_time"].startswith("timestamp")
 
 
 def test_what_rerun_could_not_write_is_said(tmp_path: Path) -> None:

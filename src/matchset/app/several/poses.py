@@ -36,13 +36,13 @@ def target_pose_columns() -> list[Column]:
 
 
 class LocatedTargets(msgspec.Struct, frozen=True):
-    """One frame, the balls in it, and their poses, also as rows; `seconds` of computing."""
+    """One frame, the balls in it, their poses, also as rows; `seconds` of computing."""
 
     frame: Frame | None
     answer: Targets
+    poses: tuple[Any, ...]
     row: PosesRow
     seconds: float = 0.0
-    poses: tuple[Pose | Lost[Any], ...] = ()
 
 
 class TargetsLocator:
@@ -92,7 +92,7 @@ def locate_several(
         index, time, targets = followed.row.frame, followed.row.time, followed.answer
         poses: list[Any] = locator.poses if followed.frame is not None else [each.track for each in targets]
         rows = tuple(_row(index, each, pose) for each, pose in zip(targets, poses, strict=True))
-        yield LocatedTargets(followed.frame, targets, PosesRow(index, time, rows), followed.seconds, tuple(poses))
+        yield LocatedTargets(followed.frame, targets, tuple(poses), PosesRow(index, time, rows), followed.seconds)
 
 
 def _row(index: int, target: Target[Any], pose: "Pose | Lost[Any]") -> TargetPoseRow:

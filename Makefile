@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights hypotheses evidence bench-radio \
-    bench-real bench-crowds toolchain soak wheel-check release-check first-picture as-typed link-peers clean
+    bench-real bench-crowds toolchain soak wheel-check release-check first-picture as-typed link-peers viewers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
@@ -50,6 +50,8 @@ tree: $(READY)  ## print every file with its purpose (ARGS="src/matchset/trackin
 
 picture: $(READY)  ## fly the chain of three and draw the animated picture of docs/flight.md (some minutes)
 	$(BIN)/python docs/pictures/chain.py
+
+viewers: .viewers/ready  ## packages of Foxglove and Rerun, which read back what --mcap and --rerun write (750 MB)
 
 link-peers: .mavlink/ready .tello/ready  ## programs of others that the links are tested against: pymavlink, MAVSDK, djitellopy
 
@@ -118,7 +120,7 @@ as-typed: $(PACKAGE)  ## every command of the README, typed in a fresh clone (so
 
 # Machine code of kernels is kept for all copies of the package, in the user's folder for caches: `matchset warm` says where.
 clean:  ## remove everything that was made, the virtual environment included
-	rm -rf .venv .bench .mavlink .tello build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
+	rm -rf .venv .bench .mavlink .tello .viewers build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(PACKAGE): pyproject.toml .ci/setup .ci/package.lock
@@ -135,7 +137,7 @@ $(PYTORCH): pyproject.toml | $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group training
 	touch $@
 
-.mavlink/ready .tello/ready: .%/ready: .ci/setup-% | $(READY)
+.mavlink/ready .tello/ready .viewers/ready: .%/ready: .ci/setup-% | $(READY)
 	$<
 
 $(PEERS): pyproject.toml .ci/setup-bench | $(READY)

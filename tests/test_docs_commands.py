@@ -51,6 +51,7 @@ NOT_RUN = {
     r"make (demo|bench|soak|mutants)": LONG,
     r"python -m benchmarks": LONG,
     r"python examples/": EXAMPLE,
+    r"matchset track .* --rerun ": "needs Rerun's package, 740 MB; tests/app/viewers/test_viewers.py",
     r"matchset (simulate|warm|demo)\b": LONG,
 }
 SHORTER = {
@@ -163,7 +164,7 @@ PREPARED: dict[str, Callable[[Path], None]] = {
     "localization.md": write_flight,
     "meters.md": rendered,
     "own_video.md": played_for_a_second,
-    "recording.md": nothing,
+    "recording.md": rendered,
     "ros.md": both_bags,
     "ros2.md": recorded,
     "two_balls.md": two_balls,

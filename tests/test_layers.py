@@ -182,7 +182,16 @@ def test_only_the_app_prints_and_draws() -> None:
     ("package", "files"),
     [
         ("serial", {"links/serial_port.py"}),
-        ("mcap", {"flight/recording/mcap_file.py", "media/bags/mcap_images.py", "media/bags/mcap_records.py"}),
+        ("rerun", {"app/viewers/rerun_file.py"}),
+        (
+            "mcap",
+            {
+                "flight/recording/mcap_file.py",
+                "app/viewers/mcap_writer.py",
+                "media/bags/mcap_images.py",
+                "media/bags/mcap_records.py",
+            },
+        ),
         ("supervision", {"app/adapters/supervision_detections.py"}),
         ("rosbags", {"media/bags/rosbag_file.py"}),
         (

@@ -9,6 +9,7 @@ EXTRAS = {
     "av": "av>=15",
     "gym": "gymnasium>=1.0",
     "record": "mcap>=1.6",
+    "rerun": "rerun-sdk>=0.41",
     "ros": "rosbags>=0.11 mcap>=1.6",
     "serial": "pyserial>=3.5",
     "web": "starlette>=0.46 uvicorn>=0.34 websockets>=14 segno>=1.6",

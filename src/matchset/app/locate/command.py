@@ -63,8 +63,10 @@ def _check_outputs(options: LocateOptions) -> None:
     names = *tables, "poses.png", "why.png", *shown
     colors = [*color_files(options.target.color), *(options.marker.marker_color or ())]
     inputs = [options.source, options.camera, options.markers, options.params, *colors]
-    check_run(options.out, names, [options.video, options.shown.gif], inputs, options.force)
+    files = [options.video, options.shown.gif, *options.viewers.files]
+    check_run(options.out, names, files, inputs, options.force)
     options.shown.check(options.video)
+    options.viewers.check()
     if options.mavlink is not None:
         from matchset.app.adapters.mavlink_poses import parse_publisher
 

@@ -22,6 +22,7 @@ from matchset.app.cli_options import (
     ViewOptions,
 )
 from matchset.app.several.options import SeveralOptions
+from matchset.app.viewers.options import ViewerOptions
 
 
 class MarkerOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -73,6 +74,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     ] = None
     video: AnnotatedVideo = None
     shown: ShownOptions = ShownOptions()
+    viewers: ViewerOptions = ViewerOptions()
     out: Folder = None
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write poses.jsonl too.")] = False
     to_stdout: ToStdout = False

@@ -30,6 +30,7 @@ from matchset.app.run_folder import output_folder
 from matchset.app.target.target_options import RefusedClickError
 from matchset.app.track.loop import RunStatistics, exit_code, print_summary
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
+from matchset.app.viewers.run import viewed
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import left_out
@@ -83,6 +84,7 @@ def run_locate(options: LocateOptions) -> int:
             used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             located = locate_frames(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
             located = located if before is None else before.timed(located)
+            located = viewed(located, options.viewers, (options.source, options.force), (camera, 2.0 * ball.radius))
             watched = explainer.watch(path.record(publish(located, video.live)))
             write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")
         finally:
@@ -135,4 +137,4 @@ def _finish(options: LocateOptions, folder: Path, path: PathLog, camera: CameraM
 
             write_picture(folder / "poses.png", path_picture(path, camera))
         files.append(folder / "poses.png")
-    return [each for each in files if each is not None]
+    return [each for each in (*files, *options.viewers.files) if each is not None]

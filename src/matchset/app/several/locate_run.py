@@ -25,6 +25,7 @@ from matchset.app.several.poses import LocatedTargets, PathsLog, TargetsLocator,
 from matchset.app.several.target_rows import TargetTable
 from matchset.app.track.loop import exit_code
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
+from matchset.app.viewers.run import viewed
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.media.video import Video
@@ -73,6 +74,7 @@ def run_locate_several(options: LocateOptions) -> int:
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
             located = locate_several(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
             located = located if known is None else known.timed(located)
+            located = viewed(located, options.viewers, (options.source, options.force), (camera, 2.0 * ball.radius))
             watched = explainer.watch(paths.record(located))
             write_frames(watched, outputs, counts, video, options.to_stdout, "locating")
         finally:
@@ -121,4 +123,4 @@ def _finish(options: LocateOptions, folder: Path, paths: PathsLog, camera: Camer
 
             write_picture(folder / "poses.png", paths_picture(paths.paths, camera))
         files.append(folder / "poses.png")
-    return files
+    return [*files, *options.viewers.files]

@@ -66,9 +66,13 @@ def noted(frames: Iterable[Answered], path: Path | None, force: bool, source: st
         return
     with MotFile(output_file(path, force, source)) as file:
         for each in frames:
-            answer = each.answer
-            file.write(each.row.frame, answer if isinstance(answer, tuple) else [Target(0, "", answer, 0.0)])
+            file.write(each.row.frame, targets_of(each.answer))
             yield each
+
+
+def targets_of(answer: Any) -> tuple[Target[Any], ...]:
+    """Return the targets of an answer: several, or one alone, whose identity is 0."""
+    return answer if isinstance(answer, tuple) else (Target(0, "", answer, 0.0),)
 
 
 def _line(frame: int, identity: int, track: Track[Any]) -> str:

@@ -22,6 +22,7 @@ from matchset.app.track.loop import exit_code
 from matchset.app.track.options import TrackOptions
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.run import tables_of
+from matchset.app.viewers.run import viewed
 from matchset.media.video import Video
 from matchset.tracking.many.multi_tracker import MultiTracker
 from matchset.tracking.many.parameters import MultiTrackerParameters
@@ -58,6 +59,7 @@ def run_several(options: TrackOptions) -> int:
             frames = follow_several(used, follower, gaps=not video.live, stop=stop, whole=part.start is None)
             frames = frames if known is None else known.timed(frames)
             frames = noted(frames, options.several.mot, options.force, options.source)
+            frames = viewed(frames, options.viewers, (options.source, options.force))
             write_frames(explainer.watch(frames), outputs, counts, video, options.to_stdout)
             files += outputs.pictures.files
         finally:

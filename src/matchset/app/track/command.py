@@ -58,8 +58,10 @@ def _check_track(options: TrackOptions) -> None:
     shown = options.shown.names("track", options.video, options.to_stdout)
     names = "tracks.csv", "latency.csv", "why.png", *(("tracks.jsonl",) if options.jsonl else ()), *shown
     inputs = [options.source, shape_file(options.shape), options.params, *color_files(options.target.color)]
-    check_run(options.out, names, [options.video, options.shown.gif, options.several.mot], inputs, options.force)
+    files = [options.video, options.shown.gif, options.several.mot, *options.viewers.files]
+    check_run(options.out, names, files, inputs, options.force)
     options.shown.check(options.video)
+    options.viewers.check()
 
 
 LEARN_EPILOG = f"""

@@ -24,6 +24,7 @@ from matchset.app.cli_options import (
     ViewOptions,
 )
 from matchset.app.several.options import MotOptions
+from matchset.app.viewers.options import ViewerOptions
 
 
 class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -37,6 +38,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
     shown: ShownOptions = ShownOptions()
+    viewers: ViewerOptions = ViewerOptions()
     out: Folder = None
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False
     to_stdout: ToStdout = False

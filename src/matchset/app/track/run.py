@@ -26,6 +26,7 @@ from matchset.app.track.loop import RunStatistics, TrackedFrame, exit_code, foll
 from matchset.app.track.options import TrackOptions
 from matchset.app.track.outputs import Outputs, latency_table, track_outputs, write_frames
 from matchset.app.track.rows import track_table
+from matchset.app.viewers.run import viewed
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 
@@ -70,6 +71,7 @@ def run_track(options: TrackOptions) -> int:
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             frames = frames if before is None else before.timed(frames)
             frames = noted(frames, options.several.mot, options.force, options.source)
+            frames = viewed(frames, options.viewers, (options.source, options.force))
             frames = frames if video.live else log.record(frames)  # a camera may run for weeks, and has no summary
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
             files = [*tables, *outputs.pictures.files]
@@ -84,7 +86,7 @@ def tables_of(options: TrackOptions, folder: Path) -> list[Path]:
     """Return the tables of a run, for its summary."""
     asked = [folder / "tracks.jsonl"] if options.jsonl else []
     mot = [] if options.several.mot is None else [options.several.mot]
-    return [folder / "tracks.csv", *asked, folder / "latency.csv", *mot]
+    return [folder / "tracks.csv", *asked, folder / "latency.csv", *mot, *options.viewers.files]
 
 
 def _outputs(

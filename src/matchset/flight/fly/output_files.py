@@ -97,7 +97,7 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         if self.record is None and self.jpeg is not None:
             raise ValueError("--record-jpeg says how a recording is written: give --record FILE too")
         if self.record is not None:
-            from matchset.flight.recording.mcap_file import check_mcap
+            from matchset.app.viewers.mcap_writer import check_mcap
 
             check_mcap()
 

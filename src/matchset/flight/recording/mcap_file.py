@@ -7,13 +7,11 @@ packed as the only member of a message of ROS 2, ``uint8[] msgpack``: eight byte
 import struct
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import IO, Any, NamedTuple, cast
+from typing import NamedTuple
 
-from matchset.app.disk import WholeFile
+from matchset.app.viewers.mcap_writer import Channel, ChannelWriter, check_mcap
 from matchset.flight.recording.cdr import HEADER
 from matchset.media.bags.mcap_records import DamagedChunk, read_records
-from matchset.media.closing import Closing
-from matchset.numeric.imports import advice
 
 PACKAGE = "matchset_msgs/msg/"
 BEGINNING = b"# MessagePack; its JSON Schema: "
@@ -68,8 +66,8 @@ class RosTopic(NamedTuple):
     schema: bytes
 
 
-class McapWriter(Closing):
-    """Writes messages; what came before the last `flush` is on disk if the program is killed or the disk is full.
+class McapWriter(ChannelWriter):
+    """Writes the messages of a recording, see `ChannelWriter`.
 
     Parameters
     ----------
@@ -78,24 +76,13 @@ class McapWriter(Closing):
 
     Raises
     ------
-    ValueError
-        If the package mcap is missing.
-    OSError
-        If the file cannot be written, with its name; also by the methods. Nothing is written any more after that.
+    ValueError, OSError
+        As those of `ChannelWriter`.
     """
 
     def __init__(self, path: Path, topics: Sequence[Topic | RosTopic]) -> None:
-        check_mcap()
-        from mcap.writer import CompressionType, Writer
-
-        self._file = WholeFile(path)
-        # Pictures are compressed already.
-        self._writer: Any = Writer(cast(IO[bytes], self._file), compression=CompressionType.NONE)
-        self._writer.start(profile="ros2", library="matchset")
-        self._closed = False
-        self._channels: dict[str, int] = {}
+        super().__init__(path, "ros2")
         self._packed: set[str] = set()
-        self._schemas: dict[str, int] = {}
         for topic in topics:
             self.add_topic(topic)
 
@@ -104,33 +91,13 @@ class McapWriter(Closing):
         packs = isinstance(topic, Topic)
         if packs:
             self._packed.add(topic.topic)
-        if topic.name not in self._schemas:
-            schema = PACKED_SCHEMA % topic.schema if packs else topic.schema
-            self._schemas[topic.name] = self._writer.register_schema(topic.name, "ros2msg", schema)
-        self._channels[topic.topic] = self._writer.register_channel(topic.topic, "cdr", self._schemas[topic.name])
+        schema = PACKED_SCHEMA % topic.schema if packs else topic.schema
+        self.add_channel(Channel(topic.topic, topic.name, schema, "ros2msg", "cdr"))
 
     def write(self, message: RecordedMessage, time: float, number: int) -> None:
         """Append a message, of a time in s, with its number in its topic."""
-        stamp = max(round(1e9 * time), 0)
         data = packed(message.data) if message.topic in self._packed else message.data
-        self._writer.add_message(self._channels[message.topic], stamp, data, stamp, number % 2**32)
-
-    def flush(self) -> None:
-        """Give everything to the operating system, as a chunk of the file."""
-        self._writer.flush()
-        self._file.mark()
-
-    def close(self) -> None:
-        """Finish the file."""
-        if self._closed:
-            return
-        self._closed = True
-        try:
-            if self._file.error is None:
-                self.flush()
-                self._writer.finish()
-        finally:
-            self._file.close()
+        self.append(message.topic, data, time, number)
 
 
 class McapReader:
@@ -207,17 +174,3 @@ def unpacked(data: bytes) -> bytes:
     if len(data) < PACKED.size or PACKED.unpack_from(data) != (HEADER, len(data) - PACKED.size):
         raise ValueError("a message is not packed as its length says")
     return data[PACKED.size :]
-
-
-def check_mcap() -> None:
-    """Refuse to record or replay without the package mcap.
-
-    Raises
-    ------
-    ValueError
-        Says what to install.
-    """
-    try:
-        import mcap  # noqa: F401
-    except ImportError:
-        raise ValueError(f"recordings need the package mcap: {advice('record')}") from None

@@ -21,6 +21,7 @@ LAYERS = [
     "control",
     "sim",
     "links",
+    "sharing",
     "app",
     "flight",
     "live",
@@ -163,7 +164,7 @@ def test_only_the_jit_policy_imports_numba() -> None:
 
 def test_files_and_clocks_are_touched_only_where_the_design_says() -> None:
     def touched(name: str) -> set[str]:
-        if layer(name) in {"links", *PEOPLE} or name in MAY_TOUCH_OUTSIDE:
+        if layer(name) in {"links", "sharing", *PEOPLE} or name in MAY_TOUCH_OUTSIDE:
             return set()
         return roots(name) & OUTSIDE | set(called(name)) & READS_OR_WRITES
 
@@ -181,6 +182,7 @@ def test_only_the_app_prints_and_draws() -> None:
     ("package", "files"),
     [
         ("serial", {"links/serial_port.py"}),
+        ("zenoh", {"sharing/connection.py"}),
         ("mcap", {"flight/recording/mcap_file.py", "media/bags/mcap_images.py", "media/bags/mcap_records.py"}),
         ("supervision", {"app/adapters/supervision_detections.py"}),
         ("rosbags", {"media/bags/rosbag_file.py"}),

@@ -36,7 +36,7 @@ sharing.FORMAT = messages.FORMAT = 2
 LONGEST = 60.0  # s, that a test waits for what must happen
 
 
-def partner(
+def begun(
     name: str, key: str, first: str = "", taken: str = "sharing.monotonic()", **network: object
 ) -> subprocess.Popen[str]:
     """Begin a partner, and wait until it shares."""

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,9 @@ import pytest
 
 import matchset as ms
 from sharing_poses import LEVEL
-from sharing_processes import HOUR_OFF, NEWER, Heard, partner, until
+from sharing_processes import HOUR_OFF, NEWER, Heard, begun, until
+
+Begin = Callable[..., "subprocess.Popen[str]"]
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
 
@@ -33,14 +35,23 @@ def share(key: str) -> Iterator[ms.Share]:
         yield made
 
 
-def end(*processes: "subprocess.Popen[str]") -> None:
-    for process in processes:
-        process.kill()
-        process.communicate()
+@pytest.fixture
+def partner() -> Iterator[Begin]:
+    """Begins partners, which end with the test."""
+    made: list[subprocess.Popen[str]] = []
+
+    def begin(*words: str, **network: Any) -> "subprocess.Popen[str]":
+        made.append(begun(*words, **network))
+        return made[-1]
+
+    yield begin
+    for each in made:
+        each.kill()
+        each.communicate()
 
 
-def test_poses_come_with_age_and_uncertainty(share: ms.Share, key: str) -> None:
-    other = partner("left", key, taken="sharing.monotonic() - 0.1")
+def test_poses_come_with_age_and_uncertainty(share: ms.Share, key: str, partner: Begin) -> None:
+    partner("left", key, taken="sharing.monotonic() - 0.1")
     until(lambda: any(share.others()))
     (found,) = share.others()
     until(lambda: (state := share.partners()[0]).received > 20 and state.offset is not None)
@@ -53,33 +64,29 @@ def test_poses_come_with_age_and_uncertainty(share: ms.Share, key: str) -> None:
     assert abs(found.pose.time + found.age.seconds - time.monotonic()) < 60.0
     assert share.news() == ["left: here"]
     assert repr(share) == f"Share('me', key {key!r}, with left)"
-    end(other)
 
 
-def test_both_see_each_other_and_each_is_told_when_one_ends(share: ms.Share, key: str) -> None:
+def test_both_see_each_other_and_each_is_told_when_one_ends(share: ms.Share, key: str, partner: Begin) -> None:
     heard, other = Heard(share), partner("left", key)
     share.publish(LEVEL, time.monotonic())
     until(lambda: any(share.others()))
     other.send_signal(signal.SIGINT)
     until(lambda: heard.has("left: gone"))
     assert not any(share.others())
-    end(other)
 
 
-def test_one_that_is_killed_is_told_and_never_used_again(share: ms.Share, key: str) -> None:
+def test_one_that_is_killed_is_told_and_never_used_again(share: ms.Share, key: str, partner: Begin) -> None:
     heard, other = Heard(share), partner("left", key)
     until(lambda: any(share.others()))
     other.kill()
     until(lambda: heard.has("left: gone"))
     assert share.others()[0].reason == "not seen: its program is gone"
-    other.communicate()
-    again = partner("left", key)
+    partner("left", key)
     until(lambda: any(share.others()))
     assert heard.count("left: gone") == heard.count("left: began anew") == 1
-    end(again)
 
 
-def test_one_that_hangs_is_told_and_nobody_waits_for_it(share: ms.Share, key: str) -> None:
+def test_one_that_hangs_is_told_and_nobody_waits_for_it(share: ms.Share, key: str, partner: Begin) -> None:
     heard, other = Heard(share), partner("left", key)
     until(lambda: any(share.others()))
     other.send_signal(signal.SIGSTOP)
@@ -89,11 +96,11 @@ def test_one_that_hangs_is_told_and_nobody_waits_for_it(share: ms.Share, key: st
     other.send_signal(signal.SIGCONT)
     until(lambda: any(share.others()))
     assert heard.count("silent") == 1
-    end(other)
 
 
-def test_a_clock_that_is_an_hour_off_changes_nothing(share: ms.Share, key: str) -> None:
-    heard, other = Heard(share), partner("left", key, HOUR_OFF)
+def test_a_clock_that_is_an_hour_off_changes_nothing(share: ms.Share, key: str, partner: Begin) -> None:
+    heard = Heard(share)
+    partner("left", key, HOUR_OFF)
     until(lambda: any(share.others()))
     (state,) = share.partners()
     assert state.offset is not None
@@ -101,20 +108,19 @@ def test_a_clock_that_is_an_hour_off_changes_nothing(share: ms.Share, key: str) 
     until(lambda: heard.has("left: its time of day is 3600 s ahead of this one"))
     until(lambda: share.partners()[0].received > 60)
     assert heard.count("3600 s") == 1
-    end(other)
 
 
-def test_one_of_another_version_is_refused_once_and_the_others_go_on(share: ms.Share, key: str) -> None:
-    heard, newer, other = Heard(share), partner("newer", key, NEWER), partner("left", key)
+def test_one_of_another_version_is_refused_once_and_the_others_go_on(share: ms.Share, key: str, partner: Begin) -> None:
+    heard, newer = Heard(share), partner("newer", key, NEWER)
+    partner("left", key)
     until(lambda: heard.has("newer: sends messages of version 2, this is 1"))
     until(lambda: any(share.others()) and {each.name: each for each in share.partners()}["left"].received > 30)
     assert {each.partner for each in share.others()} == {"left"}
     assert heard.count("version 2") == 1
     assert newer.poll() is None
-    end(newer, other)
 
 
-def test_foreign_bytes_under_the_key_are_refused_once(share: ms.Share, key: str) -> None:
+def test_foreign_bytes_under_the_key_are_refused_once(share: ms.Share, key: str, partner: Begin) -> None:
     import zenoh
 
     from matchset.sharing.connection import Connection, zenoh_settings
@@ -125,17 +131,16 @@ def test_foreign_bytes_under_the_key_are_refused_once(share: ms.Share, key: str)
         until(lambda: [send(b"paper jam", None), heard.has("printer: sends what is no message of matchset")][1])
         for _ in range(50):
             send(b"paper jam", None)
-        other = partner("left", key)
+        partner("left", key)
         until(lambda: any(share.others()))
     assert heard.count("printer") == 1
-    end(other)
 
 
-def test_those_with_another_key_are_not_seen(share: ms.Share, key: str) -> None:
-    foreign, other = partner("foreign", f"{key}x"), partner("left", key)
+def test_those_with_another_key_are_not_seen(share: ms.Share, key: str, partner: Begin) -> None:
+    partner("foreign", f"{key}x")
+    partner("left", key)
     until(lambda: any(share.others()))
     assert [each.name for each in share.partners()] == ["left"]
-    end(foreign, other)
 
 
 LISTENING = re.compile(
@@ -151,14 +156,14 @@ def own_sockets() -> set[str]:
 
 def reachable() -> list[str]:
     """Sockets of this process at which something could arrive from another computer, as /proc has them."""
-    found = []
+    found, own = [], own_sockets()
     for table in ("tcp", "tcp6", "udp", "udp6"):
         for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]:
             fields = line.split()
             address, there, state, inode = fields[1], fields[2], fields[3], fields[9]
             listens = state == "0A" if table.startswith("tcp") else True
-            local = address.startswith("0100007F") or address.startswith("00000000000000000000000001000000")
-            if inode in own_sockets() and listens and not local:
+            local = address.startswith(("0100007F", "00000000000000000000000001000000"))
+            if inode in own and listens and not local:
                 found.append(f"{table} {address} from {there}")
     return found
 
@@ -181,38 +186,35 @@ def free_port() -> int:
         return int(there.getsockname()[1])
 
 
-def test_endpoints_are_enough(key: str) -> None:
+def test_endpoints_are_enough(key: str, partner: Begin) -> None:
     where = f"tcp/127.0.0.1:{free_port()}"
     with ms.Share("me", key=key, discovery="off", listen=[where]) as share:
-        other = partner("left", key, discovery="off", connect=[where])
+        partner("left", key, discovery="off", connect=[where])
         until(lambda: any(share.others()))
-        end(other)
 
 
-def test_only_who_knows_the_password_is_let_in(key: str, tmp_path: Path) -> None:
+def test_only_who_knows_the_password_is_let_in(key: str, tmp_path: Path, partner: Begin) -> None:
     where, users = f"tcp/127.0.0.1:{free_port()}", tmp_path / "users"
     users.write_text("anna:secret\n")
     own = {"transport/auth/usrpwd/dictionary_file": str(users)}
     theirs = {"transport/auth/usrpwd/user": "anna", "transport/auth/usrpwd/password": "secret"}
     network: dict[str, Any] = {"discovery": "off", "connect": [where]}
     with ms.Share("me", key=key, discovery="off", listen=[where], config=own | theirs) as share:
-        stranger = partner("stranger", key, **network)
-        wrong = partner("wrong", key, config=theirs | {"transport/auth/usrpwd/password": "guess"}, **network)
-        friend = partner("friend", key, config=theirs, **network)
+        partner("stranger", key, **network)
+        partner("wrong", key, config=theirs | {"transport/auth/usrpwd/password": "guess"}, **network)
+        partner("friend", key, config=theirs, **network)
         until(lambda: any(share.others()))
         assert [each.name for each in share.partners()] == ["friend"]
-        end(stranger, wrong, friend)
 
 
-def test_a_configuration_file_of_zenoh_is_taken(key: str, tmp_path: Path) -> None:
+def test_a_configuration_file_of_zenoh_is_taken(key: str, tmp_path: Path, partner: Begin) -> None:
     where, file = f"tcp/127.0.0.1:{free_port()}", tmp_path / "zenoh.json5"
     file.write_text(
         f'{{mode: "peer", listen: {{endpoints: ["{where}"]}}, scouting: {{multicast: {{enabled: false}}}}}}'
     )
     with ms.Share("me", key=key, config=file) as share:
-        other = partner("left", key, discovery="off", connect=[where])
+        partner("left", key, discovery="off", connect=[where])
         until(lambda: any(share.others()))
-        end(other)
     with pytest.raises(ValueError, match="is no configuration of Zenoh"):
         ms.Share("me", config=tmp_path / "missing.json5")
 
@@ -241,7 +243,7 @@ def test_an_endpoint_that_cannot_be_used_is_a_broken_device() -> None:
 
 @pytest.mark.parametrize("taken", [float("nan"), float("inf")])
 def test_a_time_that_is_not_finite_is_refused(share: ms.Share, taken: float) -> None:
-    with pytest.raises(ValueError, match="times must be finite, got (nan|inf)"):
+    with pytest.raises(ValueError, match=r"times must be finite, got (nan|inf)"):
         share.publish(LEVEL, taken)
 
 

@@ -32,8 +32,8 @@ def zenoh_settings(discovery: Discovery, listen: Sequence[str], connect: Sequenc
     Parameters
     ----------
     discovery : str
-        "loopback": programs of this computer meet at a port of 127.0.0.1; whoever comes first listens there, and when
-        it ends another one does. "network": by multicast, on all networks of this computer. "off": only the endpoints.
+        "loopback": programs of this computer meet at a port of 127.0.0.1: whoever comes first listens there, all others
+        go on trying to connect to it, and who comes after it has ended takes its place. "network": by multicast, on all networks of this computer. "off": only the endpoints.
     listen, connect : sequence of str
         More endpoints, in Zenoh's words: ``tcp/192.168.1.5:7447``.
     """
@@ -47,8 +47,7 @@ def zenoh_settings(discovery: Discovery, listen: Sequence[str], connect: Sequenc
         "mode": "peer",
         "listen/endpoints": here,
         "listen/exit_on_failure": discovery != "loopback",
-        "listen/timeout_ms": FOREVER_MS if discovery == "loopback" else 0,
-        "listen/retry": RETRY,
+        "listen/timeout_ms": 0,  # a session that goes on trying takes ten seconds to close
         "connect/endpoints": there,
         "connect/exit_on_failure": False,
         "connect/timeout_ms": FOREVER_MS,

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple, cast
 
 from matchset.app.disk import WholeFile
-from matchset.flight.recording.cdr import HEADER
 from matchset.media.bags.mcap_records import DamagedChunk, read_records
 from matchset.media.closing import Closing
 from matchset.numeric.imports import advice
+from matchset.sharing.ros2.cdr import HEADER
 
 PACKAGE = "matchset_msgs/msg/"
 BEGINNING = b"# MessagePack; its JSON Schema: "

@@ -3,6 +3,8 @@
 import numpy as np
 
 import matchset as ms
+from matchset.sharing.messages import TargetMessage
+from matchset.sharing.sent_targets import Named, sent_targets, target_message
 
 LEVEL = ms.Pose(
     position=np.array((0.1, -0.2, 1.9)),
@@ -22,3 +24,8 @@ FULL = ms.Pose(
 TRACK: ms.Track[ms.Circle] = ms.Track(
     ms.Circle(70.5, 50.25, 25.0), np.diag((0.01, 0.01, np.inf)), 0.9, np.zeros((12, 2)), 2.0
 )
+
+
+def target_messages(found: Named, captured: float) -> list[TargetMessage]:
+    """The targets of a message."""
+    return [target_message(each, captured) for each in sent_targets(found)]

@@ -11,9 +11,8 @@ import matchset as ms
 from matchset.sharing.clock_offset import ClockParameters, Offset
 from matchset.sharing.messages import FORMAT, ClockMessage, OffsetMessage, TargetsMessage
 from matchset.sharing.partner import Partner, PartnerParameters
-from matchset.sharing.sent_targets import target_messages
 from matchset.sharing.shared_target import Age, AgeParameters, SharedTarget, reason_not_to_use
-from sharing_poses import LEVEL
+from sharing_poses import LEVEL, target_messages
 
 AGES = AgeParameters()
 HOUR = 3600.0

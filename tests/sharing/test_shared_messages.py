@@ -21,9 +21,8 @@ from matchset.sharing.messages import (
     schema,
     written,
 )
-from matchset.sharing.sent_targets import target_messages
 from matchset.sharing.shared_target import AgeParameters, shared_target
-from sharing_poses import FULL, LEVEL, TRACK
+from sharing_poses import FULL, LEVEL, TRACK, target_messages
 
 
 def message(**changed: Any) -> TargetsMessage:

@@ -33,7 +33,8 @@ def zenoh_settings(discovery: Discovery, listen: Sequence[str], connect: Sequenc
     ----------
     discovery : str
         "loopback": programs of this computer meet at a port of 127.0.0.1: whoever comes first listens there, all others
-        go on trying to connect to it, and who comes after it has ended takes its place. "network": by multicast, on all networks of this computer. "off": only the endpoints.
+        go on trying to connect to it, and who comes after it has ended takes its place. "network": by multicast, on all
+        networks of this computer. "off": only the endpoints.
     listen, connect : sequence of str
         More endpoints, in Zenoh's words: ``tcp/192.168.1.5:7447``.
     """

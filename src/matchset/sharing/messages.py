@@ -14,13 +14,14 @@ FORMAT = 1  # format: version of the messages; every one carries it, and another
 MOST_BYTES = 65_536  # format: of a message; a longer one is refused unread
 MOST_TARGETS = 64  # format: of a message, and of partners whose clocks it tells
 MOST_NUMBERS = 32  # format: of an outline
+LONGEST_NAME = 64  # format: characters
 LARGEST = 1e12  # format: of any number; it refuses infinities and NaN, too
 ENCODING = f"application/msgpack;matchset.sharing/{FORMAT}"
 
 # format: what may stand in a message
 Number = Annotated[float, msgspec.Meta(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, msgspec.Meta(ge=0.0, le=LARGEST)]
-Word = Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
+Word = Annotated[str, msgspec.Meta(min_length=1, max_length=LONGEST_NAME)]
 Words = Annotated[str, msgspec.Meta(max_length=200)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**62)]
 Triple = tuple[Number, Number, Number]

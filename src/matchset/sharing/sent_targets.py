@@ -1,12 +1,12 @@
-"""What is handed in to be shared, as parts of a message: `target_messages`."""
+"""What is handed in to be shared: `sent_targets` sorts it, `target_message` makes a part of a message of each."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from matchset.localization.neighbors.neighbor import Neighbor
 from matchset.localization.pose import Pose
 from matchset.numeric.arguments import check_kind
-from matchset.sharing.messages import MOST_TARGETS, PoseMessage, TargetMessage, TrackMessage
+from matchset.sharing.messages import LONGEST_NAME, MOST_TARGETS, PoseMessage, TargetMessage, TrackMessage
 from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost, Track
 
@@ -16,17 +16,37 @@ Shareable = Found | tuple[Found, ...]
 Named = Mapping[str, Shareable] | Iterable[Target[Any] | Neighbor] | Found
 """What `Share.publish` takes."""
 BALL = "ball"
+LONGEST_REASON = 200  # format: characters
 
 
-def target_messages(found: Named, captured: float) -> list[TargetMessage]:
-    """Make the parts of a message.
+class SentTarget(NamedTuple):
+    """A target to be shared.
+
+    Attributes
+    ----------
+    name : str
+    identity : int
+        0 where there is one target of this name.
+    track : Track or None
+    pose : Pose or None
+    lost : str
+        Why neither is there; empty if one is.
+    """
+
+    name: str
+    identity: int
+    track: Track[Any] | None
+    pose: Pose | None
+    lost: str
+
+
+def sent_targets(found: Named) -> list[SentTarget]:
+    """Sort what is handed in.
 
     Parameters
     ----------
     found : mapping of str, iterable of Target or Neighbor, Track, Pose or Lost
         Of one target, which is called "ball"; of several by their names; or what `MultiTracker` or `Neighbors` answer.
-    captured : float
-        When the picture was taken, s on the clock of the messages.
 
     Raises
     ------
@@ -36,36 +56,52 @@ def target_messages(found: Named, captured: float) -> list[TargetMessage]:
     if isinstance(found, Track | Pose | Lost):
         found = {BALL: found}
     if isinstance(found, Mapping):
-        made = [_message(name, 0, each, captured) for name, each in found.items()]
+        made = [_sent(name, 0, each) for name, each in found.items()]
     else:
-        made = [_one_of_several(each, captured) for each in found]
+        check_kind("what is shared", found, Iterable)
+        made = [_one_of_several(each) for each in found]
     if len(made) > MOST_TARGETS:
         raise ValueError(f"at most {MOST_TARGETS} targets are shared at once, got {len(made)}")
     return made
 
 
-def _one_of_several(each: object, captured: float) -> TargetMessage:
+def target_message(sent: SentTarget, captured: float) -> TargetMessage:
+    """Make the part of a message of a target.
+
+    Parameters
+    ----------
+    sent : SentTarget
+    captured : float
+        When the picture was taken, s on the clock of the messages.
+    """
+    return TargetMessage(
+        name=sent.name,
+        identity=sent.identity,
+        track=None if sent.track is None else _track(sent.track),
+        pose=None if sent.pose is None else _pose(sent.pose, captured),
+        lost=sent.lost[:LONGEST_REASON],
+    )
+
+
+def _one_of_several(each: object) -> SentTarget:
     check_kind("what is shared", each, (Target, Neighbor), "or a mapping from names to tracks and poses")
     if isinstance(each, Neighbor):
-        return _message(f"neighbor {each.identity}", each.identity, (each.ball, each.pose), captured)
+        return _sent(f"neighbor {each.identity}", each.identity, (each.ball, each.pose))
     assert isinstance(each, Target)
-    return _message(f"{each.label} {each.identity}".strip(), each.identity, each.track, captured)
+    return _sent(f"{each.label} {each.identity}".strip(), each.identity, each.track)
 
 
-def _message(name: str, identity: int, found: Shareable, captured: float) -> TargetMessage:
+def _sent(name: str, identity: int, found: Shareable) -> SentTarget:
     check_kind("the name of what is shared", name, str)
-    if not 0 < len(name) <= 64:
-        raise ValueError(f"the name of what is shared has 1 to 64 characters, got {name!r:.80}")
+    if not 0 < len(name) <= LONGEST_NAME:
+        raise ValueError(f"the name of what is shared has 1 to {LONGEST_NAME} characters, got {name!r:.80}")
     parts = found if isinstance(found, tuple) else (found,)
     for part in parts:
-        check_kind(f"{name}", part, (Track, Pose, Lost))
-    track = next((_track(part) for part in parts if isinstance(part, Track)), None)
-    pose = next((_pose(part, captured) for part in parts if isinstance(part, Pose)), None)
-    lost = next((part.reason for part in parts if isinstance(part, Lost)), "")
-    seen = track is not None or pose is not None
-    return TargetMessage(
-        name=name, identity=identity, track=track, pose=pose, lost="" if seen else (lost or "lost")[:200]
-    )
+        check_kind(name, part, (Track, Pose, Lost))
+    track = next((part for part in parts if isinstance(part, Track)), None)
+    pose = next((part for part in parts if isinstance(part, Pose)), None)
+    why = next((part.reason for part in parts if isinstance(part, Lost)), "") or "lost"
+    return SentTarget(name, identity, track, pose, "" if track is not None or pose is not None else why)
 
 
 def _track(track: Track[Any]) -> TrackMessage:

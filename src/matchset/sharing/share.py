@@ -30,7 +30,8 @@ from matchset.sharing.messages import (
     written,
 )
 from matchset.sharing.partner import Partner, PartnerParameters, PartnerState
-from matchset.sharing.sent_targets import Named, target_messages
+from matchset.sharing.ros2.ros_sender import ROUTER, RosSender
+from matchset.sharing.sent_targets import Named, sent_targets, target_message
 from matchset.sharing.shared_target import AgeParameters, SharedTarget
 
 NOT_IN_A_NAME = "/*$?#%"  # format: characters with a meaning in keys of Zenoh and ROS
@@ -59,7 +60,7 @@ class ShareParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 class Share(NotCopied, Closing):
     """Shares targets and poses with other computers. Nothing here waits for another computer, nor is stopped by one.
 
-    It has seven parameters: who, under which key, four of the network, and the numbers.
+    It has eight parameters: who, under which key, four of the network, ROS, and the numbers.
 
     Parameters
     ----------
@@ -75,6 +76,9 @@ class Share(NotCopied, Closing):
         Endpoints, in Zenoh's words: ``tcp/192.168.1.5:7447``, ``tls/host:7447``.
     config : Path, str, mapping or None
         A configuration file of Zenoh, or names and values of its settings: user and password, certificates.
+    ros_domain : int or None
+        Given, all is sent as messages of ROS 2, too, in this ROS_DOMAIN_ID: see `RosSender`. Without an endpoint to
+        connect to, that is the router of rmw_zenoh on this computer.
     parameters : ShareParameters, optional
 
     Raises
@@ -94,6 +98,7 @@ class Share(NotCopied, Closing):
         listen: Sequence[str] = (),
         connect: Sequence[str] = (),
         config: Path | str | Mapping[str, Any] | None = None,
+        ros_domain: int | None = None,
         parameters: ShareParameters | None = None,
     ) -> None:
         self.name, self.key, self.run = checked_name(name), checked_key(key), secrets.randbits(62)
@@ -102,9 +107,12 @@ class Share(NotCopied, Closing):
         self._partners: dict[str, Partner] = {}
         self._lines: deque[str] = deque(maxlen=MOST_LINES)
         self._number, self._failed = 0, False
+        if ros_domain is not None and not connect:
+            connect = [ROUTER]
         self.connection = _opened(discovery, listen, connect, config)
         try:
             self._declare()
+            self._ros = None if ros_domain is None else RosSender(self.connection, name, ros_domain)
         except BaseException:
             self.connection.close()
             raise
@@ -129,6 +137,7 @@ class Share(NotCopied, Closing):
         ValueError, TypeError
             If that cannot be shared: too many, a name too long, a number that is not finite. The network raises none.
         """
+        targets = sent_targets(found)
         with self._lock:
             number, self._number = self._number, self._number + 1
         sent = monotonic()
@@ -143,7 +152,7 @@ class Share(NotCopied, Closing):
             captured=sent - age,
             sent=sent,
             offsets=self._offsets(sent),
-            targets=target_messages(found, sent - age),
+            targets=[target_message(each, sent - age) for each in targets],
         )
         data = written(message)
         try:
@@ -152,6 +161,8 @@ class Share(NotCopied, Closing):
             raise ValueError(f"this cannot be shared: it {error}") from None
         try:
             self._send(data, None)
+            if self._ros is not None:
+                self._ros.send(targets, age)
         except LinkError as error:
             if not self._failed:
                 self._failed = True

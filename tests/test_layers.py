@@ -183,6 +183,7 @@ def test_only_the_app_prints_and_draws() -> None:
     [
         ("serial", {"links/serial_port.py"}),
         ("zenoh", {"sharing/connection.py"}),
+        ("ntcore", {"sharing/network_tables.py"}),
         ("mcap", {"flight/recording/mcap_file.py", "media/bags/mcap_images.py", "media/bags/mcap_records.py"}),
         ("supervision", {"app/adapters/supervision_detections.py"}),
         ("rosbags", {"media/bags/rosbag_file.py"}),

@@ -29,7 +29,7 @@ API = {
     ),
     "drawing": ("Pictures and tables of results", ("draw", "draw_pose", "write_video", "table", "to_supervision")),
     "neighbors": ("Several balls", ("MultiTracker", "Target", "Neighbors", "Neighbor")),
-    "sharing": ("Several computers", ("Share", "SharedTarget")),
+    "sharing": ("Several computers", ("Share", "SharedTarget", "NetworkTables")),
 }
 
 # file -> title, the public folder of `matchset` whose names it explains

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from matchset.shapes.polygon import Polygon
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
+    from matchset.sharing.network_tables import NetworkTables
     from matchset.sharing.share import Share
     from matchset.sharing.shared_target import SharedTarget
     from matchset.tracking.detection import detect
@@ -66,6 +67,7 @@ __all__ = [
     "MultiTracker",
     "Neighbor",
     "Neighbors",
+    "NetworkTables",
     "Polygon",
     "Pose",
     "PoseFilter",
@@ -102,6 +104,7 @@ _MODULES = {
     "MultiTracker": "matchset.tracking.many.multi_tracker",
     "Neighbor": "matchset.localization.neighbors.neighbor",
     "Neighbors": "matchset.localization.neighbors.neighbors",
+    "NetworkTables": "matchset.sharing.network_tables",
     "Polygon": "matchset.shapes.polygon",
     "Pose": "matchset.localization.pose",
     "PoseFilter": "matchset.localization.pose_filter",

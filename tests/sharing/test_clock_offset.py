@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.sharing.clock_offset import ClockOffset, ClockParameters, Exchange, Offset
+from matchset.sharing.clock_offset import ClockOffset, Exchange, ExchangeParameters, Offset
 
 DELAYS = st.floats(1e-5, 0.3)
 HOUR = 3600.0
@@ -19,7 +19,7 @@ def exchange(begin: float, ahead: float, there: float, work: float, back: float)
 
 @given(st.floats(-1e6, 1e6), st.lists(st.tuples(DELAYS, DELAYS, DELAYS), min_size=1, max_size=20))
 def test_the_truth_is_within_the_uncertainty(ahead: float, delays: list[tuple[float, float, float]]) -> None:
-    clock, now = ClockOffset(ClockParameters()), 1000.0
+    clock, now = ClockOffset(ExchangeParameters()), 1000.0
     for there, work, back in delays:
         now += 1.0
         assert not clock.add(exchange(now, ahead, there, work, back))
@@ -30,7 +30,7 @@ def test_the_truth_is_within_the_uncertainty(ahead: float, delays: list[tuple[fl
 
 
 def test_the_quickest_of_several_counts_until_it_is_old() -> None:
-    clock = ClockOffset(ClockParameters(drift=1e-3))
+    clock = ClockOffset(ExchangeParameters(drift=1e-3))
     clock.add(exchange(0.0, 0.0, 0.001, 0.0, 0.001))
     clock.add(exchange(1.0, 0.0, 0.100, 0.0, 0.020))
     assert clock.at(1.2) == pytest.approx(Offset(0.0, 0.001 + 1e-3 * (1.2 - 0.002)))
@@ -40,7 +40,7 @@ def test_the_quickest_of_several_counts_until_it_is_old() -> None:
 
 
 def test_a_clock_that_jumps_is_told_and_measured_anew() -> None:
-    clock = ClockOffset(ClockParameters())
+    clock = ClockOffset(ExchangeParameters())
     assert not clock.add(exchange(0.0, 0.0, 0.001, 0.0, 0.001))
     assert clock.add(exchange(1.0, HOUR, 0.001, 0.0, 0.001))
     known = clock.at(1.01)
@@ -59,11 +59,11 @@ def test_a_clock_that_jumps_is_told_and_measured_anew() -> None:
     ],
 )
 def test_an_exchange_that_cannot_be_is_left_out(odd: Exchange) -> None:
-    clock = ClockOffset(ClockParameters())
+    clock = ClockOffset(ExchangeParameters())
     assert not clock.add(odd)
     assert clock.at(2.0) is None
 
 
 def test_parameters_are_positive() -> None:
     with pytest.raises(ValueError, match="interval must be positive"):
-        ClockParameters(interval=0.0)
+        ExchangeParameters(interval=0.0)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import matchset as ms
-from matchset.sharing.clock_offset import ClockParameters, Offset
+from matchset.sharing.clock_offset import ExchangeParameters, Offset
 from matchset.sharing.messages import FORMAT, ClockMessage, OffsetMessage, TargetsMessage
 from matchset.sharing.partner import Partner, PartnerParameters
 from matchset.sharing.shared_target import Age, AgeParameters, SharedTarget, reason_not_to_use
@@ -19,7 +19,7 @@ HOUR = 3600.0
 
 
 def partner(here: bool = True) -> Partner:
-    made = Partner("left", ("me", 1), ClockParameters(), PartnerParameters())
+    made = Partner("left", ("me", 1), ExchangeParameters(), PartnerParameters())
     if here:
         made.come()
     return made

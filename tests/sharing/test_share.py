@@ -121,13 +121,11 @@ def test_one_of_another_version_is_refused_once_and_the_others_go_on(share: ms.S
 
 
 def test_foreign_bytes_under_the_key_are_refused_once(share: ms.Share, key: str, partner: Begin) -> None:
-    import zenoh
-
     from matchset.sharing.connection import Connection, zenoh_settings
 
     heard = Heard(share)
     with Connection(zenoh_settings("loopback", (), ())) as connection:
-        send = connection.publisher(f"{key}/targets/printer", zenoh.Encoding.TEXT_PLAIN)
+        send = connection.publisher(f"{key}/targets/printer", "text/plain")
         until(lambda: [send(b"paper jam", None), heard.has("printer: sends what is no message of matchset")][1])
         for _ in range(50):
             send(b"paper jam", None)

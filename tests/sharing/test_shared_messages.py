@@ -140,7 +140,10 @@ def test_the_schema_is_for_other_programs() -> None:
 
 
 def test_targets_of_several_trackers_have_names_of_their_own() -> None:
-    several = [ms.Target(0, "blue", TRACK, 0.0), ms.Target(1, "blue", ms.Lost("hidden", 1.0), 0.0)]
+    several: list[ms.Target[ms.Circle]] = [
+        ms.Target(0, "blue", TRACK, 0.0),
+        ms.Target(1, "blue", ms.Lost("hidden", 1.0), 0.0),
+    ]
     made = target_messages(several, 1.0)
     assert [(each.name, each.identity, each.lost) for each in made] == [("blue 0", 0, ""), ("blue 1", 1, "hidden")]
     (neighbor,) = target_messages([ms.Neighbor(4, LEVEL, ms.Lost("hidden", 1.0), (), False)], 1.0)

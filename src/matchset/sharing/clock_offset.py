@@ -14,7 +14,7 @@ import msgspec
 from matchset.numeric.arguments import are_finite, require_positive
 
 
-class ClockParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class ExchangeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How clocks are compared.
 
     Parameters
@@ -84,10 +84,10 @@ class ClockOffset:
 
     Parameters
     ----------
-    parameters : ClockParameters
+    parameters : ExchangeParameters
     """
 
-    def __init__(self, parameters: ClockParameters) -> None:
+    def __init__(self, parameters: ExchangeParameters) -> None:
         self._drift = parameters.drift
         self._measured: deque[_Measured] = deque(maxlen=parameters.kept)
 

@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from matchset.sharing.clock_offset import ClockOffset, ClockParameters, Exchange, Offset
+from matchset.sharing.clock_offset import ClockOffset, Exchange, ExchangeParameters, Offset
 from matchset.sharing.messages import ClockMessage, TargetsMessage
 from matchset.sharing.shared_target import Age, AgeParameters, SharedTarget, shared_target
 
@@ -62,11 +62,13 @@ class Partner:
     name : str
     own : tuple of (str, int)
         Name and run of this computer: whose clock partners tell.
-    clock : ClockParameters
+    clock : ExchangeParameters
     parameters : PartnerParameters
     """
 
-    def __init__(self, name: str, own: tuple[str, int], clock: ClockParameters, parameters: PartnerParameters) -> None:
+    def __init__(
+        self, name: str, own: tuple[str, int], clock: ExchangeParameters, parameters: PartnerParameters
+    ) -> None:
         self.name, self.here = name, False
         self._own, self._clock_parameters, self._parameters = own, clock, parameters
         self.run: int | None = None

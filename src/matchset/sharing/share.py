@@ -15,7 +15,7 @@ from matchset.media.closing import Closing
 from matchset.numeric.arguments import are_finite, check_kind
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.words import one_line
-from matchset.sharing.clock_offset import ClockParameters
+from matchset.sharing.clock_offset import ExchangeParameters
 from matchset.sharing.connection import DISCOVERIES, Connection, Discovery, zenoh_settings
 from matchset.sharing.messages import (
     ENCODING,
@@ -45,22 +45,20 @@ class ShareParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     Parameters
     ----------
     ages : AgeParameters
-    clock : ClockParameters
+    clock : ExchangeParameters
     partner : PartnerParameters
     look : float
         Time between two looks whether a partner is silent, s. Chosen by hand: a quarter of `PartnerParameters.silence`.
     """
 
     ages: AgeParameters = AgeParameters()
-    clock: ClockParameters = ClockParameters()
+    clock: ExchangeParameters = ExchangeParameters()
     partner: PartnerParameters = PartnerParameters()
     look: float = 0.25
 
 
 class Share(NotCopied, Closing):
     """Shares targets and poses with other computers. Nothing here waits for another computer, nor is stopped by one.
-
-    It has eight parameters: who, under which key, four of the network, ROS, and the numbers.
 
     Parameters
     ----------
@@ -101,6 +99,7 @@ class Share(NotCopied, Closing):
         ros_domain: int | None = None,
         parameters: ShareParameters | None = None,
     ) -> None:
+        """Eight parameters: who, under which key, four of the network, ROS, and the numbers."""
         self.name, self.key, self.run = checked_name(name), checked_key(key), secrets.randbits(62)
         self.parameters = parameters or ShareParameters()
         self._lock, self._wake, self._ends = threading.RLock(), threading.Event(), False

@@ -1,7 +1,9 @@
 """Keys, tokens and attachments as rmw_zenoh documents them, types as rosbags hashes and reads them."""
 
+import importlib
 import re
 import secrets
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,6 +17,7 @@ from matchset.sharing.connection import Connection, zenoh_settings
 from matchset.sharing.ros2.ros_definitions import DEFINITIONS
 from matchset.sharing.ros2.ros_keys import HASHES, RosNode, attachment, dds_type, identity_of, ros_name
 from matchset.sharing.ros2.ros_values import DETECTIONS, POSE
+from matchset.sharing.sent_targets import Named
 from sharing_poses import FULL, LEVEL, TRACK
 from sharing_processes import until
 
@@ -77,12 +80,18 @@ def test_any_words_become_a_name_that_ros_allows(words: str) -> None:
 
 @given(st.integers(0, 2**62), st.integers(0, 2**62))
 def test_zenoh_itself_reads_what_is_attached(number: int, stamp: int) -> None:
-    zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
+    zenoh: Any = pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
     identity = identity_of("a token")
     attached = attachment(number, stamp, identity)
     assert len(attached) == 33
-    kinds = tuple[zenoh.ext.Int64, zenoh.ext.Int64, bytes]
-    assert zenoh.ext.z_deserialize(kinds, zenoh.ZBytes(attached)) == (number, stamp, identity)
+    assert attached_values(zenoh.ZBytes(attached)) == (number, stamp, identity)
+
+
+def attached_values(data: Any) -> tuple[int, int, bytes]:
+    """What is attached to a message, as Zenoh reads it."""
+    ext: Any = importlib.import_module("zenoh.ext")
+    number, stamp, identity = ext.z_deserialize(tuple[ext.Int64, ext.Int64, bytes], data)
+    return int(number), int(stamp), identity
 
 
 @pytest.fixture
@@ -100,12 +109,13 @@ def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Conn
     pose_key = f"{DOMAIN}/{name}/blue_ball/pose/{dds_type(POSE)}/{HASHES[POSE]}"
     detections_key = f"{DOMAIN}/{name}/detections/{dds_type(DETECTIONS)}/{HASHES[DETECTIONS]}"
     with ms.Share(name, key=f"test/{name}", ros_domain=DOMAIN) as share:
-        until(
-            lambda: [
-                share.publish({"blue ball": (TRACK, FULL), "2": LEVEL, "gone": ms.Lost("hidden", 0.0)}, 10.0, 10.5),
-                {pose_key, detections_key} <= set(heard),
-            ][1]
-        )
+        found: Named = {"blue ball": (TRACK, FULL), "2": LEVEL, "gone": ms.Lost("hidden", 0.0)}
+
+        def published() -> bool:
+            share.publish(found, 10.0, 10.5)
+            return {pose_key, detections_key} <= set(heard)
+
+        until(published)
         assert all(TOPIC.fullmatch(key) for key in heard)
         mine = {token for token in tokens if token.split("/")[8] == f"matchset_{name}"}
         assert {token.split("/")[9] for token in mine if "/MP/" in token} == {
@@ -120,30 +130,30 @@ def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Conn
     position = pose.pose.pose.position
     assert [position.x, position.y, position.z] == FULL.position.tolist()
     assert pose.pose.covariance.tolist() == FULL.covariance.ravel().tolist()
-    found = typestore.deserialize_cdr(heard[detections_key], "vision_msgs/msg/Detection2DArray")
-    assert found.header == pose.header
-    (ball,) = found.detections
+    read = typestore.deserialize_cdr(heard[detections_key], "vision_msgs/msg/Detection2DArray")
+    assert read.header == pose.header
+    (ball,) = read.detections
     assert (ball.id, ball.results[0].hypothesis.class_id, ball.results[0].hypothesis.score) == ("blue ball",) * 2 + (
         0.9,
     )
     assert ball.bbox.center.position.x == pytest.approx(70.5, abs=0.05)
     assert ball.bbox.size_x == pytest.approx(50.0, abs=0.1)
     stamp = pose.header.stamp.sec + 1e-9 * pose.header.stamp.nanosec
-    import time
-
     assert -1.0 < time.time() - stamp - 0.5 < 60.0
 
 
 def test_sequence_time_and_identity_are_attached(listener: Connection) -> None:
-    import zenoh
-
     name, samples = f"left{secrets.token_hex(4)}", list[Any]()
     subscriber = listener._session.declare_subscriber(f"{DOMAIN}/{name}/detections/**", samples.append)
     with ms.Share(name, key=f"test/{name}", ros_domain=DOMAIN) as share:
-        until(lambda: [share.publish(LEVEL, 10.0, 10.0), len(samples) > 5][1])
+
+        def published() -> bool:
+            share.publish(LEVEL, 10.0, 10.0)
+            return len(samples) > 5
+
+        until(published)
     subscriber.undeclare()
-    kinds = tuple[zenoh.ext.Int64, zenoh.ext.Int64, bytes]
-    read = [zenoh.ext.z_deserialize(kinds, each.attachment) for each in samples]
+    read = [attached_values(each.attachment) for each in samples]
     assert [number - read[0][0] for number, _, _ in read] == list(range(len(read)))
     assert sorted(stamp for _, stamp, _ in read) == [stamp for _, stamp, _ in read]
     assert len({identity for _, _, identity in read}) == 1

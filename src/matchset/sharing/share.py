@@ -102,7 +102,8 @@ class Share(NotCopied, Closing):
         """Eight parameters: who, under which key, four of the network, ROS, and the numbers."""
         self.name, self.key, self.run = checked_name(name), checked_key(key), secrets.randbits(62)
         self.parameters = parameters or ShareParameters()
-        self._lock, self._wake, self._ends = threading.RLock(), threading.Event(), False
+        self._lock, self._ends = threading.RLock(), False
+        self._wake, self._arrived = threading.Event(), threading.Event()
         self._partners: dict[str, Partner] = {}
         self._lines: deque[str] = deque(maxlen=MOST_LINES)
         self._number, self._failed = 0, False
@@ -177,6 +178,12 @@ class Share(NotCopied, Closing):
             ages = self.parameters.ages
             return [each for _, partner in sorted(self._partners.items()) for each in partner.targets(now, ages)]
 
+    def wait(self, timeout: float) -> bool:
+        """Wait until something of a partner has come since the last call, at most so long, s; whether it has."""
+        came = self._arrived.wait(timeout)
+        self._arrived.clear()
+        return came
+
     def partners(self) -> list[PartnerState]:
         """Return how it stands with each partner, by name."""
         with self._lock:
@@ -232,6 +239,7 @@ class Share(NotCopied, Closing):
                 return
             new = partner.run != message.run
             self._say(partner.take(message, now))
+        self._arrived.set()
         if new:
             self._wake.set()
 

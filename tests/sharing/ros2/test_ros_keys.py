@@ -17,7 +17,7 @@ from matchset.sharing.connection import Connection, zenoh_settings
 from matchset.sharing.ros2.ros_definitions import DEFINITIONS
 from matchset.sharing.ros2.ros_keys import HASHES, RosNode, attachment, dds_type, identity_of, ros_name
 from matchset.sharing.ros2.ros_values import DETECTIONS, POSE
-from matchset.sharing.sent_targets import Named
+from matchset.sharing.sent_targets import Shareable
 from sharing_poses import FULL, LEVEL, TRACK
 from sharing_processes import until
 
@@ -109,7 +109,8 @@ def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Conn
     pose_key = f"{DOMAIN}/{name}/blue_ball/pose/{dds_type(POSE)}/{HASHES[POSE]}"
     detections_key = f"{DOMAIN}/{name}/detections/{dds_type(DETECTIONS)}/{HASHES[DETECTIONS]}"
     with ms.Share(name, key=f"test/{name}", ros_domain=DOMAIN) as share:
-        found: Named = {"blue ball": (TRACK, FULL), "2": LEVEL, "gone": ms.Lost("hidden", 0.0)}
+        lost: ms.Lost[ms.Circle] = ms.Lost("hidden", 0.0)
+        found: dict[str, Shareable] = {"blue ball": (TRACK, FULL), "2": LEVEL, "gone": lost}
 
         def published() -> bool:
             share.publish(found, 10.0, 10.5)

@@ -31,7 +31,6 @@ def message(number: int, captured: float, run: int = 7, **changed: Any) -> Targe
         name="left",
         run=run,
         number=number,
-        captured=captured,
         sent=captured,
         offsets=[],
         targets=target_messages(LEVEL, captured),

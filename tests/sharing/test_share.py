@@ -66,6 +66,23 @@ def test_poses_come_with_age_and_uncertainty(share: ms.Share, key: str, partner:
     assert repr(share) == f"Share('me', key {key!r}, with left)"
 
 
+def test_pictures_of_several_cameras_have_times_of_their_own(share: ms.Share, key: str) -> None:
+    with ms.Share("other", key=key) as other:
+
+        def seen() -> bool:
+            now = time.monotonic()
+            share.publish({"first": LEVEL, "second": LEVEL}, {"first": now - 0.1, "second": now - 0.2})
+            return any(other.others()) and other.wait(1.0)
+
+        until(seen)
+        first, second = other.others()
+        assert first.age is not None
+        assert second.age is not None
+        assert second.age.seconds - first.age.seconds == pytest.approx(0.1)
+    with pytest.raises(ValueError, match="times must be finite, got None of 'ball'"):
+        share.publish(LEVEL, {"first": 1.0})
+
+
 def test_both_see_each_other_and_each_is_told_when_one_ends(share: ms.Share, key: str, partner: Begin) -> None:
     heard, other = Heard(share), partner("left", key)
     share.publish(LEVEL, time.monotonic())
@@ -241,7 +258,7 @@ def test_an_endpoint_that_cannot_be_used_is_a_broken_device() -> None:
 
 @pytest.mark.parametrize("taken", [float("nan"), float("inf")])
 def test_a_time_that_is_not_finite_is_refused(share: ms.Share, taken: float) -> None:
-    with pytest.raises(ValueError, match=r"times must be finite, got (nan|inf)"):
+    with pytest.raises(ValueError, match=r"times must be finite, got (nan|inf) of 'ball'"):
         share.publish(LEVEL, taken)
 
 

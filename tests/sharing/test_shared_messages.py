@@ -31,7 +31,6 @@ def message(**changed: Any) -> TargetsMessage:
         name="left",
         run=7,
         number=3,
-        captured=1.0,
         sent=1.02,
         offsets=[],
         targets=target_messages({"ball": (TRACK, FULL)}, 1.0),
@@ -56,7 +55,7 @@ def test_a_pose_comes_back_to_the_last_bit(pose: ms.Pose) -> None:
     (target,) = read_targets(written(message(targets=target_messages(pose, 1.0)))).targets
     from matchset.sharing.clock_offset import Offset
 
-    back = shared_target("left", target, 1.0, Offset(0.0, 0.0), 1.01, AgeParameters()).pose
+    back = shared_target("left", target, Offset(0.0, 0.0), 1.01, AgeParameters()).pose
     assert isinstance(back, ms.Pose)
     assert encode(msgspec.structs.replace(back, time=pose.time)) == encode(pose)
 
@@ -124,7 +123,7 @@ def numbers(value: Any) -> list[float]:
         (msgspec.msgpack.encode([1, 2]), "no message of matchset"),
         (b"", "no message of matchset"),
         (b"\x00" * (MOST_BYTES + 1), f"{MOST_BYTES + 1} bytes at once"),
-        (written(message(captured=float("nan"))), "a damaged message: "),
+        (written(message(sent=float("nan"))), "a damaged message: "),
         (written(message(name="")), "a damaged message: "),
     ],
 )

@@ -65,12 +65,14 @@ class TrackMessage(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TargetMessage(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A target in the newest picture of the sender.
+    """A target in the newest picture of a camera of the sender.
 
     Parameters
     ----------
     name : str
         One name for one target of the sender.
+    captured : float
+        When the picture was taken, s on the clock of the sender.
     identity : int
         As `Target.identity`; 0 where there is one target of this name.
     track : TrackMessage or None
@@ -80,6 +82,7 @@ class TargetMessage(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
     """
 
     name: Word
+    captured: Number
     identity: Count = 0
     track: TrackMessage | None = None
     pose: PoseMessage | None = None
@@ -107,7 +110,7 @@ class OffsetMessage(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TargetsMessage(msgspec.Struct, frozen=True, kw_only=True):
-    """All targets in one picture of the sender.
+    """All targets in the newest pictures of the sender.
 
     Parameters
     ----------
@@ -118,8 +121,8 @@ class TargetsMessage(msgspec.Struct, frozen=True, kw_only=True):
         A number that the sender's program drew when it began: another one began anew.
     number : int
         Counts the messages of a run, from 0.
-    captured, sent : float
-        When the picture was taken and the message made, s on the clock of the sender.
+    sent : float
+        When the message was made, s on the clock of the sender.
     offsets : list of OffsetMessage
     targets : list of TargetMessage
     """
@@ -128,7 +131,6 @@ class TargetsMessage(msgspec.Struct, frozen=True, kw_only=True):
     name: Word
     run: Count
     number: Count
-    captured: Number
     sent: Number
     offsets: Annotated[list[OffsetMessage], msgspec.Meta(max_length=MOST_TARGETS)]
     targets: Annotated[list[TargetMessage], msgspec.Meta(max_length=MOST_TARGETS)]

@@ -2,18 +2,18 @@
 
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from matchset.image.errors import LinkError
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
-from matchset.numeric.arguments import are_finite, check_kind, checked_count
+from matchset.numeric.arguments import check_kind, checked_count
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.imports import advice
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import outline
-from matchset.sharing.sent_targets import Named, SentTarget, sent_targets
+from matchset.sharing.sent_targets import Named, SentTarget, ages_of, sent_targets
 from matchset.sharing.share import checked_name, monotonic
 
 PORT = 5810  # format: TCP port of NetworkTables 4
@@ -85,7 +85,7 @@ class NetworkTables(NotCopied, Closing):
         """Whether the robot, or somebody else, is connected."""
         return bool(self._tables.isConnected())
 
-    def publish(self, found: Named, time: float, now: float | None = None) -> None:
+    def publish(self, found: Named, time: float | Mapping[str, float], now: float | None = None) -> None:
         """Publish what was found in a picture; as `Share.publish`.
 
         Raises
@@ -93,12 +93,11 @@ class NetworkTables(NotCopied, Closing):
         ValueError, TypeError
             If that cannot be published. The network raises none.
         """
-        age = (monotonic() if now is None else now) - time
-        if not are_finite(age):
-            raise ValueError(f"times must be finite, got {time!r} and {now!r}")
-        stamp = max(round(self._now() - MICRO * age), 1)
-        for each in sent_targets(found):
-            self._publish(each, age, stamp)
+        targets = sent_targets(found)
+        ages = ages_of(targets, time, monotonic() if now is None else now)
+        stamp = self._now()
+        for each, age in zip(targets, ages, strict=True):
+            self._publish(each, age, max(round(stamp - MICRO * age), 1))
         self._tables.flush()
 
     def close(self) -> None:

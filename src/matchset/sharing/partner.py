@@ -53,6 +53,15 @@ class PartnerState(msgspec.Struct, frozen=True, kw_only=True):
     received: int
     missed: int
 
+    @property
+    def summary(self) -> str:
+        """All of it, in a line."""
+        there = "gone" if not self.here else "silent" if self.silent else "here"
+        clock = "its clock is not known"
+        if self.offset is not None:
+            clock = f"its clock is known to ±{1e3 * self.offset.uncertainty:.2g} ms"
+        return f"{self.name}: {there}, {self.received} messages, {self.missed} missed, {clock}"
+
 
 class Partner:
     """Keeps what one partner has sent. Nothing here waits, reads a clock or knows of the network.
@@ -150,13 +159,14 @@ class Partner:
         targets = message.targets
         if not self.here:
             targets = [msgspec.structs.replace(each, lost=each.lost or "its program is gone") for each in targets]
-        return [shared_target(self.name, each, message.captured, offset, now, parameters) for each in targets]
+        return [shared_target(self.name, each, offset, now, parameters) for each in targets]
 
     def state(self, now: float) -> PartnerState:
         """Return how it stands now, s."""
-        offset, message = self.offset.at(now), self._message
-        known = offset is not None and message is not None
-        age = Age(now - (message.captured + offset.seconds), offset.uncertainty) if known else None  # type: ignore[union-attr]
+        offset, age = self.offset.at(now), None
+        if offset is not None and self._message is not None:
+            newest = max((each.captured for each in self._message.targets), default=self._message.sent)
+            age = Age(now - (newest + offset.seconds), offset.uncertainty)
         return PartnerState(
             name=self.name,
             here=self.here,

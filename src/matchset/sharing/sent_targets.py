@@ -1,11 +1,11 @@
 """What is handed in to be shared: `sent_targets` sorts it, `target_message` makes a part of a message of each."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from matchset.localization.neighbors.neighbor import Neighbor
 from matchset.localization.pose import Pose
-from matchset.numeric.arguments import check_kind
+from matchset.numeric.arguments import are_finite, check_kind
 from matchset.sharing.messages import LONGEST_NAME, MOST_TARGETS, PoseMessage, TargetMessage, TrackMessage
 from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost, Track
@@ -65,6 +65,32 @@ def sent_targets(found: Named) -> list[SentTarget]:
     return made
 
 
+def ages_of(sent: Sequence[SentTarget], time: float | Mapping[str, float], now: float) -> list[float]:
+    """Return how old the picture of each target is now, s.
+
+    Parameters
+    ----------
+    sent : sequence of SentTarget
+    time : float or mapping of str to float
+        When the picture was taken, s; or that of each, by name.
+    now : float
+        On the same clock.
+
+    Raises
+    ------
+    ValueError
+        If a time is missing or not finite.
+    """
+    ages = []
+    for each in sent:
+        taken = time.get(each.name) if isinstance(time, Mapping) else time
+        if not are_finite(taken, now):
+            raise ValueError(f"times must be finite, got {taken!r} of {each.name!r} and {now!r}")
+        assert taken is not None
+        ages.append(now - taken)
+    return ages
+
+
 def target_message(sent: SentTarget, captured: float) -> TargetMessage:
     """Make the part of a message of a target.
 
@@ -76,6 +102,7 @@ def target_message(sent: SentTarget, captured: float) -> TargetMessage:
     """
     return TargetMessage(
         name=sent.name,
+        captured=captured,
         identity=sent.identity,
         track=None if sent.track is None else _track(sent.track),
         pose=None if sent.pose is None else _pose(sent.pose, captured),

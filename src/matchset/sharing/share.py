@@ -12,7 +12,7 @@ import msgspec
 
 from matchset.image.errors import LinkError
 from matchset.media.closing import Closing
-from matchset.numeric.arguments import are_finite, check_kind
+from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.words import one_line
 from matchset.sharing.clock_offset import ExchangeParameters
@@ -31,9 +31,10 @@ from matchset.sharing.messages import (
 )
 from matchset.sharing.partner import Partner, PartnerParameters, PartnerState
 from matchset.sharing.ros2.ros_sender import ROUTER, RosSender
-from matchset.sharing.sent_targets import Named, sent_targets, target_message
+from matchset.sharing.sent_targets import Named, ages_of, sent_targets, target_message
 from matchset.sharing.shared_target import AgeParameters, SharedTarget
 
+DEFAULT_KEY = "matchset"
 NOT_IN_A_NAME = "/*$?#%"  # format: characters with a meaning in keys of Zenoh and ROS
 MOST_LINES = 100  # format: lines that wait to be read
 JOIN = 5.0  # format: s, in which the thread that compares clocks must have ended
@@ -91,7 +92,7 @@ class Share(NotCopied, Closing):
         self,
         name: str,
         *,
-        key: str = "matchset",
+        key: str = DEFAULT_KEY,
         discovery: Discovery | None = None,
         listen: Sequence[str] = (),
         connect: Sequence[str] = (),
@@ -119,16 +120,16 @@ class Share(NotCopied, Closing):
         self._thread = threading.Thread(target=self._compare_clocks, name="matchset share", daemon=True)
         self._thread.start()
 
-    def publish(self, found: Named, time: float, now: float | None = None) -> None:
-        """Tell all partners what was found in a picture.
+    def publish(self, found: Named, time: float | Mapping[str, float], now: float | None = None) -> None:
+        """Tell all partners what was found in a picture; it takes the place of what was told before.
 
         Parameters
         ----------
         found : Track, Pose, Lost, mapping of str to these, or iterable of Target or Neighbor
             One target; several by their names, each a track, a pose, or both in a tuple; or what `MultiTracker` and
             `Neighbors` answer.
-        time : float
-            When the picture was taken, s: `Frame.time`.
+        time : float or mapping of str to float
+            When the picture was taken, s: `Frame.time`; by the names of targets if they were seen by several cameras.
         now : float, optional
             What the clock of `time` shows now; `time.monotonic`, on which live cameras have their times, if not given.
 
@@ -141,18 +142,15 @@ class Share(NotCopied, Closing):
         with self._lock:
             number, self._number = self._number, self._number + 1
         sent = monotonic()
-        age = (sent if now is None else now) - time
-        if not are_finite(age):
-            raise ValueError(f"times must be finite, got {time!r} and {now!r}")
+        ages = ages_of(targets, time, sent if now is None else now)
         message = TargetsMessage(
             format=FORMAT,
             name=self.name,
             run=self.run,
             number=number,
-            captured=sent - age,
             sent=sent,
             offsets=self._offsets(sent),
-            targets=[target_message(each, sent - age) for each in targets],
+            targets=[target_message(each, sent - age) for each, age in zip(targets, ages, strict=True)],
         )
         data = written(message)
         try:
@@ -162,7 +160,7 @@ class Share(NotCopied, Closing):
         try:
             self._send(data, None)
             if self._ros is not None:
-                self._ros.send(targets, age)
+                self._ros.send(targets, ages)
         except LinkError as error:
             if not self._failed:
                 self._failed = True

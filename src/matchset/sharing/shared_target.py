@@ -131,7 +131,7 @@ def reason_not_to_use(age: Age | None, lost: str, parameters: AgeParameters) -> 
 
 
 def shared_target(
-    partner: str, message: TargetMessage, captured: float, offset: Offset | None, now: float, parameters: AgeParameters
+    partner: str, message: TargetMessage, offset: Offset | None, now: float, parameters: AgeParameters
 ) -> SharedTarget:
     """Make what is known here of a target in the message of a partner.
 
@@ -139,15 +139,13 @@ def shared_target(
     ----------
     partner : str
     message : TargetMessage
-    captured : float
-        When the picture was taken, s on the clock of the partner.
     offset : Offset or None
-        Of that clock, now.
+        Of its clock, now.
     now : float
         s.
     parameters : AgeParameters
     """
-    age = None if offset is None else Age(now - (captured + offset.seconds), offset.uncertainty)
+    age = None if offset is None else Age(now - (message.captured + offset.seconds), offset.uncertainty)
     reason = reason_not_to_use(age, message.lost, parameters)
     taken = now if age is None else now - age.seconds
     track, pose = message.track, message.pose

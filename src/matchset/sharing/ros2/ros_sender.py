@@ -63,8 +63,8 @@ class RosSender:
         connection.appear(self._node.token)
         self._topic("detections", DETECTIONS)
 
-    def send(self, found: Sequence[SentTarget], age: float) -> None:
-        """Send what was found in a picture of this age, s.
+    def send(self, found: Sequence[SentTarget], ages: Sequence[float]) -> None:
+        """Send what was found in a picture, or in several, of these ages, s.
 
         Raises
         ------
@@ -72,13 +72,14 @@ class RosSender:
             If the session has ended.
         """
         now = time.time()
-        header = header_of(now - age, f"{self._space}/camera")
-        for each in found:
+        headers = [header_of(now - age, f"{self._space}/camera") for age in ages]
+        for header, each in zip(headers, found, strict=True):
             if each.pose is not None:
                 topic = self._topic(f"{ros_name(each.name)}/pose", POSE)
                 topic.send((header, pose_with_covariance(each.pose)), now)
-        detections = [_detection(header, each) for each in found if each.track is not None]
-        self._topic("detections", DETECTIONS).send((header, detections), now)
+        detections = [_detection(*each) for each in zip(headers, found, strict=True) if each[1].track is not None]
+        newest = header_of(now - min(ages, default=0.0), f"{self._space}/camera")
+        self._topic("detections", DETECTIONS).send((newest, detections), now)
 
     def _topic(self, name: str, kind: str) -> _Topic:
         with self._lock:

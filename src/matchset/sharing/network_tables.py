@@ -12,7 +12,6 @@ from matchset.numeric.arguments import check_kind, checked_count
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.imports import advice
 from matchset.numeric.words import one_line
-from matchset.shapes.shape import outline
 from matchset.sharing.sent_targets import Named, SentTarget, ages_of, sent_targets
 from matchset.sharing.share import checked_name, monotonic
 
@@ -118,13 +117,11 @@ class NetworkTables(NotCopied, Closing):
         where = f"/matchset/{self.name}/{sent.name}"
         self._set(f"{where}/hasTarget", "Boolean", not sent.lost, stamp)
         self._set(f"{where}/latencyMillis", "Double", 1000.0 * age, stamp)
-        if sent.track is not None:
-            points = outline(sent.track.shape)
-            low, high = points.min(axis=0), points.max(axis=0)
-            x, y = ((low + high) / 2.0).tolist()
-            self._set(f"{where}/targetPixelsX", "Double", x, stamp)
-            self._set(f"{where}/targetPixelsY", "Double", y, stamp)
-            self._set(f"{where}/targetRadius", "Double", float((high - low).max()) / 2.0, stamp)
+        if sent.outline is not None:
+            left, top, right, bottom = sent.outline.box
+            self._set(f"{where}/targetPixelsX", "Double", (left + right) / 2.0, stamp)
+            self._set(f"{where}/targetPixelsY", "Double", (top + bottom) / 2.0, stamp)
+            self._set(f"{where}/targetRadius", "Double", max(right - left, bottom - top) / 2.0, stamp)
         if sent.pose is not None:
             x, y, z = sent.pose.position.tolist()
             self._set(f"{where}/targetYaw", "Double", math.degrees(math.atan2(x, z)), stamp)

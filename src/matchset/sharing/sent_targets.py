@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from matchset.localization.neighbors.neighbor import Neighbor
 from matchset.localization.pose import Pose
 from matchset.numeric.arguments import are_finite, check_kind
+from matchset.shapes.shape import outline
 from matchset.sharing.messages import LONGEST_NAME, MOST_TARGETS, PoseMessage, TargetMessage, TrackMessage
 from matchset.tracking.many.target import Target
 from matchset.tracking.track import Lost, Track
@@ -13,10 +14,28 @@ from matchset.tracking.track import Lost, Track
 Found = Track[Any] | Pose | Lost[Any]
 Shareable = Found | tuple[Found, ...]
 """A track, a pose, why there is none, or a track with its pose."""
-Named = Mapping[str, Shareable] | Iterable[Target[Any] | Neighbor] | Found
-"""What `Share.publish` takes."""
 BALL = "ball"
 LONGEST_REASON = 200  # format: characters
+
+
+class SentOutline(NamedTuple):
+    """An outline to be shared.
+
+    Attributes
+    ----------
+    shape : str
+        Family.
+    values : dict of str to (float, float or None)
+        As `Track.measured`, px and rad.
+    support : float
+    box : tuple of float
+        Around it: left, top, right and bottom, px.
+    """
+
+    shape: str
+    values: dict[str, tuple[float, float | None]]
+    support: float
+    box: tuple[float, float, float, float]
 
 
 class SentTarget(NamedTuple):
@@ -27,7 +46,7 @@ class SentTarget(NamedTuple):
     name : str
     identity : int
         0 where there is one target of this name.
-    track : Track or None
+    outline : SentOutline or None
     pose : Pose or None
     lost : str
         Why neither is there; empty if one is.
@@ -35,9 +54,13 @@ class SentTarget(NamedTuple):
 
     name: str
     identity: int
-    track: Track[Any] | None
+    outline: SentOutline | None
     pose: Pose | None
     lost: str
+
+
+Named = Mapping[str, Shareable] | Iterable[Target[Any] | Neighbor | SentTarget] | Found
+"""What `Share.publish` takes."""
 
 
 def sent_targets(found: Named) -> list[SentTarget]:
@@ -45,7 +68,7 @@ def sent_targets(found: Named) -> list[SentTarget]:
 
     Parameters
     ----------
-    found : mapping of str, iterable of Target or Neighbor, Track, Pose or Lost
+    found : mapping of str, iterable of Target, Neighbor or SentTarget, Track, Pose or Lost
         Of one target, which is called "ball"; of several by their names; or what `MultiTracker` or `Neighbors` answer.
 
     Raises
@@ -104,13 +127,15 @@ def target_message(sent: SentTarget, captured: float) -> TargetMessage:
         name=sent.name,
         captured=captured,
         identity=sent.identity,
-        track=None if sent.track is None else _track(sent.track),
+        track=None if sent.outline is None else _track(sent.outline),
         pose=None if sent.pose is None else _pose(sent.pose, captured),
         lost=sent.lost[:LONGEST_REASON],
     )
 
 
 def _one_of_several(each: object) -> SentTarget:
+    if isinstance(each, SentTarget):
+        return each
     check_kind("what is shared", each, (Target, Neighbor), "or a mapping from names to tracks and poses")
     if isinstance(each, Neighbor):
         return _sent(f"neighbor {each.identity}", each.identity, (each.ball, each.pose))
@@ -125,19 +150,24 @@ def _sent(name: str, identity: int, found: Shareable) -> SentTarget:
     parts = found if isinstance(found, tuple) else (found,)
     for part in parts:
         check_kind(name, part, (Track, Pose, Lost))
-    track = next((part for part in parts if isinstance(part, Track)), None)
+    drawn = next((_outline(part) for part in parts if isinstance(part, Track)), None)
     pose = next((part for part in parts if isinstance(part, Pose)), None)
     why = next((part.reason for part in parts if isinstance(part, Lost)), "") or "lost"
-    return SentTarget(name, identity, track, pose, "" if track is not None or pose is not None else why)
+    return SentTarget(name, identity, drawn, pose, "" if drawn is not None or pose is not None else why)
 
 
-def _track(track: Track[Any]) -> TrackMessage:
-    found = track.measured()
+def _outline(track: Track[Any]) -> SentOutline:
+    points = outline(track.shape)
+    (left, top), (right, bottom) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    return SentOutline(type(track.shape).__name__, track.measured(), float(track.support), (left, top, right, bottom))
+
+
+def _track(sent: SentOutline) -> TrackMessage:
     return TrackMessage(
-        shape=type(track.shape).__name__,
-        values={name: value for name, (value, _) in found.items()},
-        stds={name: sigma for name, (_, sigma) in found.items() if sigma is not None},
-        support=float(track.support),
+        shape=sent.shape,
+        values={name: value for name, (value, _) in sent.values.items()},
+        stds={name: sigma for name, (_, sigma) in sent.values.items() if sigma is not None},
+        support=sent.support,
     )
 
 

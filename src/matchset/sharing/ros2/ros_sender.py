@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from matchset.media.bags.packed_fields import NANO
-from matchset.shapes.shape import outline
 from matchset.sharing.connection import Connection
 from matchset.sharing.ros2.ros_definitions import encoder
 from matchset.sharing.ros2.ros_keys import RosNode, attachment, identity_of, ros_name
 from matchset.sharing.ros2.ros_values import DETECTIONS, NOWHERE, POSE, header_of, pose_with_covariance
-from matchset.sharing.sent_targets import SentTarget
+from matchset.sharing.sent_targets import SentOutline, SentTarget
 
 CDR = "application/cdr"
 ROUTER = "tcp/localhost:7447"
@@ -77,7 +76,8 @@ class RosSender:
             if each.pose is not None:
                 topic = self._topic(f"{ros_name(each.name)}/pose", POSE)
                 topic.send((header, pose_with_covariance(each.pose)), now)
-        detections = [_detection(*each) for each in zip(headers, found, strict=True) if each[1].track is not None]
+        drawn = [(header, each, each.outline) for header, each in zip(headers, found, strict=True)]
+        detections = [_detection(header, each, outline) for header, each, outline in drawn if outline is not None]
         newest = header_of(now - min(ages, default=0.0), f"{self._space}/camera")
         self._topic("detections", DETECTIONS).send((newest, detections), now)
 
@@ -89,11 +89,9 @@ class RosSender:
             return self._topics[name]
 
 
-def _detection(header: tuple[Any, ...], sent: SentTarget) -> tuple[Any, ...]:
+def _detection(header: tuple[Any, ...], sent: SentTarget, outline: SentOutline) -> tuple[Any, ...]:
     """vision_msgs/Detection2D of a target: the box around its outline."""
-    assert sent.track is not None
-    points = outline(sent.track.shape)
-    (left, top), (right, bottom) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    left, top, right, bottom = outline.box
     box = (((left + right) / 2.0, (top + bottom) / 2.0), 0.0), right - left, bottom - top
     pose = NOWHERE if sent.pose is None else pose_with_covariance(sent.pose)
-    return header, [((sent.name, float(sent.track.support)), pose)], box, sent.name
+    return header, [((sent.name, outline.support), pose)], box, sent.name

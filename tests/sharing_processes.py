@@ -52,10 +52,11 @@ def begun(
     return made
 
 
-def until(happens: Callable[[], object]) -> None:
-    """Wait until something happens."""
+def until(happens: Callable[[], object], process: "subprocess.Popen[str] | None" = None) -> None:
+    """Wait until something happens; where a process makes it happen, as long as it runs."""
     end = time.monotonic() + LONGEST
     while not happens():
+        assert process is None or process.poll() is None, process.communicate()
         assert time.monotonic() < end
         time.sleep(0.005)
 

@@ -2,10 +2,12 @@
 
 import re
 import secrets
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -218,6 +220,37 @@ def test_only_who_knows_the_password_is_let_in(key: str, tmp_path: Path, partner
         partner("stranger", key, **network)
         partner("wrong", key, config=theirs | {"transport/auth/usrpwd/password": "guess"}, **network)
         partner("friend", key, config=theirs, **network)
+        until(lambda: any(share.others()))
+        assert [each.name for each in share.partners()] == ["friend"]
+
+
+def certificates(folder: Path) -> tuple[str, str]:
+    """A certificate for localhost, signed by itself, and its key, made by openssl."""
+    program = shutil.which("openssl")
+    if program is None:
+        pytest.skip("there is no openssl to make a certificate")
+    certificate, private = str(folder / "certificate.pem"), str(folder / "key.pem")
+    words = ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2"]
+    words += [
+        "-subj",
+        "/CN=localhost",
+        "-addext",
+        "subjectAltName=DNS:localhost",
+        "-addext",
+        "basicConstraints=CA:FALSE",
+    ]
+    subprocess.run([program, *words, "-keyout", private, "-out", certificate], check=True, capture_output=True)
+    return certificate, private
+
+
+def test_over_tls_only_who_is_trusted_is_talked_to(key: str, partner: Begin, tmp_path: Path) -> None:
+    where = f"tls/localhost:{free_port()}"
+    (certificate, private), (foreign, _) = certificates(tmp_path), certificates(Path(tempfile.mkdtemp(dir=tmp_path)))
+    own = {"transport/link/tls/listen_certificate": certificate, "transport/link/tls/listen_private_key": private}
+    network: dict[str, Any] = {"discovery": "off", "connect": [where]}
+    with ms.Share("me", key=key, discovery="off", listen=[where], config=own) as share:
+        partner("suspicious", key, config={"transport/link/tls/root_ca_certificate": foreign}, **network)
+        partner("friend", key, config={"transport/link/tls/root_ca_certificate": certificate}, **network)
         until(lambda: any(share.others()))
         assert [each.name for each in share.partners()] == ["friend"]
 

@@ -5,6 +5,7 @@ What cannot be copied refuses with a reason.
 
 import copy
 import functools
+import importlib.util
 import inspect
 import os
 import pickle
@@ -22,6 +23,7 @@ import matchset as ms
 from matchset.control.ego_motion import EgoMotion
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.sticks.ego_parameters import AttitudeCommand
+from matchset.sharing.shared_target import Age
 from matchset.sim.world import ChainParameters, World
 
 ROWS, COLUMNS = np.indices((240, 320))
@@ -168,6 +170,16 @@ def values() -> dict[str, Any]:
         "Pose": pose,
         "Quadrilateral": ms.Quadrilateral([(0.0, 0.0), (9.0, 1.0), (8.0, 7.0), (1.0, 6.0)]),
         "Rectangle": ms.Rectangle(10.0, 20.0, 8.0, 5.0, 0.2),
+        "SharedTarget": ms.SharedTarget(
+            partner="left",
+            name="ball",
+            identity=0,
+            pose=poses()[-1],
+            shape="Circle",
+            values={"x": (1.0, None)},
+            age=Age(0.1, 0.01),
+            reason="",
+        ),
         "Target": ms.Target(3, "blue", ball, 0.5),
         "Track": ball,
         "TrackerParameters": ms.TrackerParameters(),
@@ -179,7 +191,17 @@ def refused(folder: Path) -> dict[str, Any]:
     import cv2
 
     cv2.imwrite(str(folder / "one.png"), picture(0))
-    return {"Video": ms.Video(folder / "one.png")}
+    return {"Video": ms.Video(folder / "one.png")} | sharing()
+
+
+def sharing() -> dict[str, Any]:
+    """What holds a connection, as far as its package is installed."""
+    made: dict[str, Any] = {}
+    if importlib.util.find_spec("zenoh"):
+        made["Share"] = ms.Share("me", key="test/copies", discovery="off")
+    if importlib.util.find_spec("ntcore"):
+        made["NetworkTables"] = ms.NetworkTables("me", "127.0.0.1")
+    return made
 
 
 FUNCTIONS = {"detect", "draw", "draw_pose", "table", "to_supervision", "write_video"}
@@ -286,7 +308,10 @@ def test_families_that_were_made_are_found_again_by_what_they_were_made_from() -
 
 def test_every_public_class_is_looked_at(tmp_path: Path) -> None:
     classes = {name for name in ms.__all__ if inspect.isclass(getattr(ms, name))}
-    looked_at = {name.partition(",")[0] for name in LIVES} | set(values()) | set(refused(tmp_path))
+    held = refused(tmp_path)
+    for thing in held.values():
+        thing.close()
+    looked_at = {name.partition(",")[0] for name in LIVES} | set(values()) | {*held, "Share", "NetworkTables"}
     assert set(ms.__all__) - classes == FUNCTIONS
     assert classes <= looked_at
 

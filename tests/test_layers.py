@@ -21,6 +21,7 @@ LAYERS = [
     "control",
     "sim",
     "links",
+    "sharing",
     "app",
     "flight",
     "live",
@@ -164,7 +165,7 @@ def test_only_the_jit_policy_imports_numba() -> None:
 
 def test_files_and_clocks_are_touched_only_where_the_design_says() -> None:
     def touched(name: str) -> set[str]:
-        if layer(name) in {"links", *PEOPLE} or name in MAY_TOUCH_OUTSIDE:
+        if layer(name) in {"links", "sharing", *PEOPLE} or name in MAY_TOUCH_OUTSIDE:
             return set()
         return roots(name) & OUTSIDE | set(called(name)) & READS_OR_WRITES
 
@@ -192,6 +193,8 @@ def test_only_the_app_prints_and_draws() -> None:
                 "media/bags/mcap_records.py",
             },
         ),
+        ("zenoh", {"sharing/connection.py"}),
+        ("ntcore", {"sharing/network_tables.py"}),
         ("supervision", {"app/adapters/supervision_detections.py"}),
         ("rosbags", {"media/bags/rosbag_file.py"}),
         (

@@ -17,6 +17,7 @@ import pytest
 import matchset as ms
 from matchset.app.locate.rows import pose_columns, pose_row
 from matchset.app.track.rows import track_columns, track_row
+from matchset.sharing.shared_target import Age
 
 SLOWEST = 0.1  # s of processor time: a fraction of what a person notices
 IMAGE = np.full((120, 160, 3), 90, np.uint8)
@@ -86,6 +87,12 @@ LINES: dict[str, tuple[Any, str]] = {
         ms.Target(3, "blue", TRACK, 0.5, (4,)),
         r"Target\(3 'blue', since 0\.5 s, or 4: Track\(Circle .*\)",
     ),
+    "target of another computer": (
+        ms.SharedTarget(
+            partner="left", name="ball", identity=0, pose=LEVEL, shape="", values={}, age=Age(0.05, 0.002), reason=""
+        ),
+        r"SharedTarget\(left 'ball', 0\.0500 ±0\.0020 s old: Pose\(.*\)\)",
+    ),
     "neighbors": (ms.Neighbors(CAMERA, MARKED, COLOR, COLOR), r"Neighbors\(0 balls followed, 0 frames\)"),
     "neighbor": (ms.Neighbor(3, POSE, TRACK, (), False), r"Neighbor\(.*"),
     "parameters": (ms.TrackerParameters(coast=0.1), r"TrackerParameters\(coast=0\.1\)"),
@@ -102,7 +109,7 @@ def processor_time(call: Callable[[], object]) -> float:
 def test_it_is_one_line(name: str) -> None:
     thing, line = LINES[name]
     assert re.fullmatch(line, repr(thing)), repr(thing)
-    assert name == "neighbor" or len(repr(thing)) < 220
+    assert name in ("neighbor", "target of another computer") or len(repr(thing)) < 220
 
 
 @pytest.mark.parametrize("name", LINES)
@@ -137,7 +144,9 @@ def test_damaged_numbers_are_shown_not_raised() -> None:
 def test_every_public_class_is_here() -> None:
     shapes = {ms.Circle, ms.Ellipse, ms.Rectangle, ms.Quadrilateral, ms.Polygon, ms.Convex}
     public = {value for name in ms.__all__ if isinstance(value := getattr(ms, name), type)}
-    assert public - shapes - {ms.LinkError, ms.Video} == {type(thing) for thing, _ in LINES.values()}
+    assert public - shapes - {ms.LinkError, ms.Video, ms.Share, ms.NetworkTables} == {
+        type(thing) for thing, _ in LINES.values()
+    }
 
 
 def test_a_track_has_the_columns_of_its_table() -> None:

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "matchset"
 LAYERS = (
     *("shapes", "image", "media", "fitting", "tracking", "camera", "localization", "control", "sim", "links"),
-    *("app", "flight", "live"),
+    *("sharing", "app", "flight", "live"),
 )
 
 # file -> title, the names of `matchset.__all__` that it explains
@@ -29,6 +29,7 @@ API = {
     ),
     "drawing": ("Pictures and tables of results", ("draw", "draw_pose", "write_video", "table", "to_supervision")),
     "neighbors": ("Several balls", ("MultiTracker", "Target", "Neighbors", "Neighbor")),
+    "sharing": ("Several computers", ("Share", "SharedTarget", "NetworkTables")),
 }
 
 # file -> title, the public folder of `matchset` whose names it explains

@@ -2,9 +2,9 @@
 
 Public names are loaded when they are first used (PEP 562), so ``import matchset`` takes a millisecond and loads neither
 NumPy, OpenCV nor Numba. To read the package, begin with `tracking` (one frame after the other), then `fitting` (one
-frame); below them lie `media`, `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`
-and `links`. On that library stand `app` (commands for files and cameras), `flight` and `live` (the page), and on all
-of them `cli`. A folder imports only from those below it. Two folders have public names of their own:
+frame); below them lie `media`, `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`,
+`links` and `sharing`. On that library stand `app` (commands for files and cameras), `flight` and `live` (the page), and
+on all of them `cli`. A folder imports only from those below it. Two folders have public names of their own:
 `sim`, a simulated world, and `gym`, an environment for Gymnasium in it.
 """
 
@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from matchset.shapes.polygon import Polygon
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
+    from matchset.sharing.network_tables import NetworkTables
+    from matchset.sharing.share import Share
+    from matchset.sharing.shared_target import SharedTarget
     from matchset.tracking.detection import detect
     from matchset.tracking.many.multi_tracker import MultiTracker
     from matchset.tracking.many.target import Target
@@ -64,11 +67,14 @@ __all__ = [
     "MultiTracker",
     "Neighbor",
     "Neighbors",
+    "NetworkTables",
     "Polygon",
     "Pose",
     "PoseFilter",
     "Quadrilateral",
     "Rectangle",
+    "Share",
+    "SharedTarget",
     "Target",
     "Track",
     "Tracker",
@@ -98,11 +104,14 @@ _MODULES = {
     "MultiTracker": "matchset.tracking.many.multi_tracker",
     "Neighbor": "matchset.localization.neighbors.neighbor",
     "Neighbors": "matchset.localization.neighbors.neighbors",
+    "NetworkTables": "matchset.sharing.network_tables",
     "Polygon": "matchset.shapes.polygon",
     "Pose": "matchset.localization.pose",
     "PoseFilter": "matchset.localization.pose_filter",
     "Quadrilateral": "matchset.shapes.quadrilateral",
     "Rectangle": "matchset.shapes.rectangle",
+    "Share": "matchset.sharing.share",
+    "SharedTarget": "matchset.sharing.shared_target",
     "Target": "matchset.tracking.many.target",
     "Track": "matchset.tracking.track",
     "Tracker": "matchset.tracking.tracker",

@@ -6,6 +6,7 @@ import msgspec
 import typer
 
 from matchset.app.cli_options import FieldsName, StreamNumber, TurnOptions
+from matchset.app.sharing_options import SharingOptions
 
 Source = Annotated[
     str | None,
@@ -36,3 +37,4 @@ class LiveOptions(msgspec.Struct, frozen=True, kw_only=True):
     mounted: TurnOptions = TurnOptions()
     stream: StreamNumber = None
     fields: FieldsName = "frames"
+    sharing: SharingOptions = SharingOptions()

@@ -17,6 +17,7 @@ from matchset.live.options import LiveOptions
 from matchset.live.record.panel import RecordPanel
 from matchset.live.record.recorder import PageRecorder
 from matchset.live.session import Session
+from matchset.live.sharing.shared_page import shared_page
 from matchset.live.sources.found_sources import Source, given_source
 from matchset.live.sources.opening import Opening, check_source, open_feed
 from matchset.live.sources.panel import SourcesPanel
@@ -55,12 +56,20 @@ def serve(options: LiveOptions) -> int:
     guard = Guard([address, name, f"{name}.local"], port, token=options.lan)
     compiling, recorder = CompilingPanel(), PageRecorder()
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
+    shared = shared_page(options.sharing.opened(), session)
     compiling.ready = session.go_on
     desk, viewers = ViewerContext(session, PictureEncoder(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:
         stop = opened.enter_context(StopRequest())
         uploads = opened.enter_context(Uploads())
-        for each in (compiling, listener, recorder, session, make_selection(given, view, uploads, desk, viewers)):
+        for each in (
+            compiling,
+            listener,
+            recorder,
+            shared,
+            session,
+            make_selection(given, view, uploads, desk, viewers),
+        ):
             opened.enter_context(each)
         if point is not None:
             opened.enter_context(FirstPick(session, point, compiling.refusal))

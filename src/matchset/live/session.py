@@ -62,6 +62,10 @@ class Session(Closing):
         """Add a panel that is there whatever is shown; before the server begins."""
         self._own = (*self._own, panel)
 
+    def listen(self, listener: Listener) -> None:
+        """Tell somebody else of each picture that is shown; before the server begins."""
+        self._listeners = (*self._listeners, listener)
+
     def show(self, feed: Feed | None) -> None:
         """Show another feed; the one before is closed. It belongs to the session from here on."""
         for listener in self._listeners:

@@ -7,7 +7,9 @@ from importlib import import_module
 # format: packages of each extra, as pyproject.toml names them; tests/numeric/test_imports.py compares
 EXTRAS = {
     "av": "av>=15",
+    "frc": "pyntcore>=2026.1",
     "gym": "gymnasium>=1.0",
+    "net": "eclipse-zenoh>=1.5",
     "record": "mcap>=1.6",
     "rerun": "rerun-sdk>=0.41",
     "ros": "rosbags>=0.11 mcap>=1.6",

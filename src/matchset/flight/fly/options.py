@@ -7,6 +7,7 @@ import msgspec
 import typer
 
 from matchset.app.cli_options import Force
+from matchset.app.sharing_options import SharingOptions
 from matchset.flight.fly.output_files import FlightFiles, Quiet
 from matchset.flight.linked.options import LinkedOptions
 
@@ -59,6 +60,7 @@ class FlyOptions(msgspec.Struct, frozen=True, kw_only=True):
     latency_ms: Latency = None
     linked: LinkedOptions = LinkedOptions()
     files: FlightFiles = FlightFiles()
+    sharing: SharingOptions = SharingOptions()
     real_time: RealTime = False
     print_config: PrintConfig = False
     quiet: Quiet = False

@@ -76,6 +76,8 @@ class FlightOutputs(Closing):
     ----------
     log : FlightLog
         All numbers of the flight so far.
+    say : callable
+        Shows a line.
     """
 
     def __init__(
@@ -88,7 +90,7 @@ class FlightOutputs(Closing):
         parameters, limits = setup.parameters, OutputParameters()
         length = setup.countdown + parameters.duration
         self._view = LiveView(parameters.pilot.place, length, quiet, kind=setup.kind)
-        self._say = self._messages.append
+        self.say = self._messages.append
         self._writers: list[Background[Item]] = []
         recorder = FilmWriterParameters(space=self._files.space, small=True)
         opened: list[Closing] = []
@@ -97,7 +99,7 @@ class FlightOutputs(Closing):
                 picture = FlightPicture(setup)
                 video = stack.enter_context(FilmWriter(self._files.video, setup.fps, picture.size, parameters=recorder))
                 opened.append(video)
-                draw = _telling("the video", video, lambda item: video.write(picture.draw(item[0])), self._say)
+                draw = _telling("the video", video, lambda item: video.write(picture.draw(item[0])), self.say)
                 self._writers.append(stack.enter_context(self._writer("the video", draw, limits.least, real_time)))
             if self._files.record is not None:
                 recording = stack.enter_context(
@@ -107,7 +109,7 @@ class FlightOutputs(Closing):
                 if not quiet:
                     print(f"note: {recording.note}", file=sys.stderr)
                 room = max(limits.pictures // setup.followers, limits.least)
-                write = _telling("the recording", recording, lambda item: recording.write(*item), self._say)
+                write = _telling("the recording", recording, lambda item: recording.write(*item), self.say)
                 self._writers.append(stack.enter_context(self._writer("the recording", write, room, real_time)))
             if opened and not quiet:
                 print(f"note: {self._size_note(opened, length)}", file=sys.stderr)
@@ -165,7 +167,7 @@ class FlightOutputs(Closing):
         return words if rate * duration < free else f"{words}: they will end early"
 
     def _writer(self, name: str, work: Work, room: int, real_time: bool) -> Background[Item]:
-        return Background(name, work, BackgroundParameters(waiting=room, drops=real_time), self._say)
+        return Background(name, work, BackgroundParameters(waiting=room, drops=real_time), self.say)
 
     def _show(self, shown: _Shown) -> None:
         self._say_messages()

@@ -44,6 +44,7 @@ def run_flight(
     """
     from matchset.flight.chain.score import FlightScorer
     from matchset.flight.fly.outputs import FlightOutputs
+    from matchset.flight.fly.shared_flight import SharedFlight
     from matchset.flight.kill_switch import KillSwitch
     from matchset.flight.real_time.priority import raised_priority
 
@@ -53,6 +54,7 @@ def run_flight(
         StopRequest() as stop,
         flight,
         FlightOutputs(flight.setup, options.files, options.quiet, real_time) as outputs,
+        SharedFlight(options.sharing.opened(), outputs.say) as shared,
         flight,  # once more: everyone lands before the files are finished, which takes longer
         KillSwitch(flight.cut) as kill,
         raised_priority() if real_time else nullcontext(),
@@ -62,6 +64,7 @@ def run_flight(
         for chain_step in flight:
             watch(chain_step)
             scorer.add(chain_step)
+            shared.add(chain_step)
             outputs.add(chain_step, [pilot.armed for pilot in flight.pilots])
             if kill.reason and not chain_step.down:
                 flight.cut(kill.reason)  # once more, for one that was just being armed
@@ -69,7 +72,10 @@ def run_flight(
                 break
             if pacer is not None:
                 pacer.wait()
+        summary = shared.summary
     _print_end(outputs, options.files, pacer)
+    for line in summary:
+        print(f"shared with {line}")
     for line in flight.debriefing():
         print(line)
     if flight.fault:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from matchset.app.viewers.mcap_writer import Channel, ChannelWriter, check_mcap
-from matchset.flight.recording.cdr import HEADER
 from matchset.media.bags.mcap_records import DamagedChunk, read_records
+from matchset.sharing.ros2.cdr import HEADER
 
 PACKAGE = "matchset_msgs/msg/"
 BEGINNING = b"# MessagePack; its JSON Schema: "

@@ -12,20 +12,25 @@ from matchset.flight.chain.pilot import PilotStep
 from matchset.flight.recording.coded_camera import CodedFrame
 from matchset.flight.recording.mcap_file import RecordedMessage, RosTopic
 from matchset.flight.recording.messages import image_topic, namespace
-from matchset.flight.recording.ros_definitions import encoder, ros_schema
 from matchset.image.frame import Frame
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
+from matchset.sharing.ros2.ros_definitions import encoder, ros_schema
+from matchset.sharing.ros2.ros_values import (
+    CAMERA_INFO,
+    DETECTIONS,
+    IMAGE,
+    NOWHERE,
+    POSE,
+    POSE_STAMPED,
+    TRANSFORMS,
+    camera_info,
+    header_of,
+    pose_with_covariance,
+)
 from matchset.tracking.track import Track
 
-POSE, POSE_STAMPED = "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped"
-DETECTIONS, CAMERA_INFO = "vision_msgs/Detection2DArray", "sensor_msgs/CameraInfo"
-IMAGE, TRANSFORMS, TF = "sensor_msgs/CompressedImage", "tf2_msgs/TFMessage", "/tf"
-UNTURNED = (0.0, 0.0, 0.0, 1.0)  # geometry: the quaternion of no rotation, x y z w
-NOWHERE = (((0.0, 0.0, 0.0), UNTURNED), (0.0,) * 36)  # format: the pose of a detection that has none
-IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  # geometry: of a camera that is not rectified
-WHOLE_PICTURE = (0, 0, 0, 0, False)  # format: the region of interest of a camera that shows all it sees
-NANO = 10**9  # format: nanoseconds in a second
+TF = "/tf"
 
 
 class RosMessages:
@@ -81,26 +86,12 @@ class RosMessages:
 
     def _header(self, time: float) -> tuple[Any, ...]:
         """std_msgs/Header of a picture."""
-        return divmod(max(round(NANO * time), 0), NANO), self._frame_id
+        return header_of(time, self._frame_id)
 
 
 def ros_topic(topic: str, kind: str) -> RosTopic:
     """Return a topic with the schema of its type."""
     return RosTopic(topic, *ros_schema(kind))
-
-
-def camera_info(header: tuple[Any, ...], camera: CameraModel) -> tuple[Any, ...]:
-    """sensor_msgs/CameraInfo of a camera; "plumb_bob" is ROS's name of the lens with five coefficients."""
-    k = (camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0)
-    p = (*k[0:3], 0.0, *k[3:6], 0.0, *k[6:9], 0.0)
-    sizes = camera.height, camera.width
-    return (header, *sizes, "plumb_bob", camera.distortion, k, IDENTITY, p, 0, 0, WHOLE_PICTURE)
-
-
-def pose_with_covariance(pose: Pose) -> tuple[Any, ...]:
-    """geometry_msgs/PoseWithCovariance of a pose: its rotation vector is about the fixed axes, as ROS has it."""
-    orientation = UNTURNED if pose.rotation is None else tuple(pose.rotation.as_quat().tolist())
-    return (tuple(pose.position.tolist()), orientation), pose.covariance.ravel().tolist()
 
 
 def detections(header: tuple[Any, ...], step: PilotStep, pose: tuple[Any, ...] | None) -> list[tuple[Any, ...]]:

@@ -24,9 +24,10 @@ from matchset.flight.recording.messages import (
     step_topic,
     topics,
 )
-from matchset.flight.recording.ros_messages import TF, TRANSFORMS, RosMessages, ros_topic
+from matchset.flight.recording.ros_messages import TF, RosMessages, ros_topic
 from matchset.image.frame import Frame
 from matchset.media.closing import Closing
+from matchset.sharing.ros2.ros_values import TRANSFORMS
 
 COMPRESSORS = 2  # format: threads that compress pictures
 MAX_WAITING = 6  # format: steps that wait for their pictures to be compressed; lost if the program is killed

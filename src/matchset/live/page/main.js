@@ -1,5 +1,5 @@
 // The page: joins the connection and the panels. Folders: picture (what is seen, drawn over, clicked), reading (numbers
-// and targets), curves, source (menu, camera, settings), file (player, time line), flight, record.
+// and targets), curves, source (menu, camera, settings), file (player, time line), flight, record, sharing.
 
 import { CameraPanel } from "./source/camera.js";
 import { CompilingPanel } from "./compiling.js";
@@ -12,6 +12,7 @@ import { PictureView } from "./picture/picture.js";
 import { element, Reading } from "./reading/reading.js";
 import { RecordPanel } from "./record/record.js";
 import { SettingsPanel } from "./source/settings.js";
+import { SharingPanel } from "./sharing/sharing.js";
 import { Connection } from "./socket.js";
 import { TargetList } from "./reading/targets.js";
 import { parseDegrees, times } from "./units.js";
@@ -50,6 +51,7 @@ const panels = {
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   settings: new SettingsPanel(find("settings"), send),
   record: new RecordPanel(find("record"), send),
+  sharing: new SharingPanel(find("sharing")),
   file: new FilePanel(find("file"), find("file-results"), find("file-curves"), send, () => targets.chosen, askPoint, (id) => targets.choose(id)),
 };
 

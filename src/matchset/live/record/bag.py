@@ -6,26 +6,25 @@ from typing import Any
 import cv2
 
 from matchset.flight.recording.mcap_file import McapWriter, RecordedMessage
-from matchset.flight.recording.ros_definitions import encoder
-from matchset.flight.recording.ros_messages import (
-    CAMERA_INFO,
-    DETECTIONS,
-    IMAGE,
-    NANO,
-    NOWHERE,
-    POSE,
-    TF,
-    TRANSFORMS,
-    camera_info,
-    pose_with_covariance,
-    ros_topic,
-)
+from matchset.flight.recording.ros_messages import TF, ros_topic
 from matchset.image.frame import Frame
 from matchset.live.feed import StreamPicture
 from matchset.live.record.target_tables import plain_name
 from matchset.live.wire.state import TargetState
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
+from matchset.sharing.ros2.ros_definitions import encoder
+from matchset.sharing.ros2.ros_values import (
+    CAMERA_INFO,
+    DETECTIONS,
+    IMAGE,
+    NOWHERE,
+    POSE,
+    TRANSFORMS,
+    camera_info,
+    header_of,
+    pose_with_covariance,
+)
 
 
 class BagWriter(Closing):
@@ -62,7 +61,7 @@ class BagWriter(Closing):
         OSError
             If it does not fit on the disk.
         """
-        header = divmod(max(round(NANO * frame.time), 0), NANO), self._frame_id
+        header = header_of(frame.time, self._frame_id)
         done, jpeg = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, self._quality])
         if not done:
             raise ValueError(f"a picture of {frame.image.shape} cannot be encoded as JPEG")

@@ -7,7 +7,7 @@ ros-perception/vision_msgs (Apache-2.0). Types and names of members only, withou
 
 import functools
 
-from matchset.flight.recording.cdr import CdrEncoder, schema_text
+from matchset.sharing.ros2.cdr import CdrEncoder, schema_text
 
 DEFINITIONS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",

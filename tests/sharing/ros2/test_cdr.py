@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import bags
-from matchset.flight.recording.cdr import HEADER, NUMBERS, CdrEncoder, schema_text
-from matchset.flight.recording.ros_definitions import DEFINITIONS
+from matchset.sharing.ros2.cdr import HEADER, NUMBERS, CdrEncoder, schema_text
+from matchset.sharing.ros2.ros_definitions import DEFINITIONS
 
 NAMES = [name for name in NUMBERS if name != "byte"]
 TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=9)

@@ -1,0 +1,55 @@
+"""A flight that tells others what its followers see: `SharedFlight`. Nobody flies by what they tell: docs/safety.md."""
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from typing import TYPE_CHECKING
+
+from matchset.flight.chain.chain_step import ChainStep
+from matchset.media.closing import Closing
+
+if TYPE_CHECKING:
+    from matchset.sharing.sent_targets import Shareable
+    from matchset.sharing.share import Share
+
+
+class SharedFlight(Closing):
+    """Publishes ball and pose of every follower, and says who comes, goes or cannot be read.
+
+    One follower sees "ball"; of several the first sees "ball 1".
+
+    Parameters
+    ----------
+    share : Share or None
+        Closed at the end; None: nothing is shared.
+    say : callable
+        Told each line.
+    """
+
+    def __init__(self, share: "Share | None", say: Callable[[str], None]) -> None:
+        self._share, self._say = share, say
+        self._found, self._times = dict[str, "Shareable"](), dict[str, float]()
+
+    def add(self, chain_step: ChainStep) -> None:
+        """Publish what was found in the pictures of a step."""
+        if self._share is None:
+            return
+        several = len(chain_step.steps) > 1
+        for number, step in enumerate(chain_step.steps, 1):
+            if step.frame is not None:
+                name = f"ball {number}" if several else "ball"
+                self._found[name], self._times[name] = (step.ball, step.pose), step.frame.time
+        self._share.publish(self._found, self._times, max(step.now for step in chain_step.steps))
+        for line in self._share.news():
+            self._say(f"shared with {line}")
+
+    @property
+    def summary(self) -> list[str]:
+        """What came from each partner, a line each."""
+        if self._share is None:
+            return []
+        return [each.summary for each in self._share.partners()]
+
+    def close(self) -> None:
+        """Share nothing more."""
+        with self._share or nullcontext():
+            pass

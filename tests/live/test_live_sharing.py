@@ -1,0 +1,113 @@
+"""What the page shows is shared, and what others share is on the page: two sessions in one process."""
+
+import secrets
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import pytest
+
+import matchset as ms
+from live_feeds import MadeUpFeed, seen_of, shown
+from matchset.live.session import Session
+from matchset.live.sharing.shared_page import shared_page
+from matchset.live.sharing.state import SharingState
+from sharing_poses import LEVEL
+from sharing_processes import until
+
+pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
+
+
+@pytest.fixture
+def key() -> str:
+    return f"test/{secrets.token_hex(8)}"
+
+
+@pytest.fixture
+def page(key: str) -> Iterator[tuple[Session, MadeUpFeed]]:
+    session = Session()
+    with shared_page(ms.Share("page", key=key), session), session:
+        yield session, shown(MadeUpFeed(2), session)
+
+
+def state_of(session: Session) -> SharingState:
+    state = session.state().panels["sharing"]
+    assert isinstance(state, SharingState)
+    return state
+
+
+def test_targets_of_the_page_are_shared(page: tuple[Session, MadeUpFeed], key: str) -> None:
+    _, feed = page
+    numbers = iter(range(100_000))
+    with ms.Share("other", key=key) as other:
+
+        def seen() -> bool:
+            feed.show(seen_of(next(numbers), targets=2))
+            feed.show(seen_of(next(numbers), found=False), stream=1)
+            return len(other.others()) == 3 and any(other.others())
+
+        until(seen)
+        first, second, lost = other.others()
+    assert (first.name, second.name, lost.name) == ("circle 1", "circle 2", "circle 1 2")
+    assert (first.shape, set(first.values)) == ("Circle", {"x", "y", "radius"})
+    assert isinstance(first.pose, ms.Pose)
+    assert first.pose.position.tolist() == [0.1, 0.2, 1.5]
+    assert lost.reason == "not seen: too few edge points"
+
+
+def test_a_picture_that_was_shared_is_not_shared_again(page: tuple[Session, MadeUpFeed], key: str) -> None:
+    session, feed = page
+    with ms.Share("other", key=key) as other:
+        until(lambda: other.partners() and state_of(session).partners)
+        for number in (1, 1, 2):
+            feed.show(seen_of(number))
+        until(lambda: other.partners()[0].received == 2)
+
+
+def test_partners_are_on_the_page_with_age_and_clock(page: tuple[Session, MadeUpFeed], key: str) -> None:
+    session, _ = page
+    with ms.Share("other", key=key) as other:
+
+        def seen() -> bool:
+            other.publish({"ball": LEVEL, "gone": ms.Lost("hidden", 0.0)}, 10.0, 10.1)
+            partners = state_of(session).partners
+            return bool(partners and partners[0].targets and partners[0].targets[0].position)
+
+        until(seen)
+        (partner,) = state_of(session).partners
+        assert (partner.name, partner.here) == ("other", True)
+        assert partner.age_ms is not None
+        assert partner.age_ms >= 100
+        assert partner.offset_uncertainty_ms > 0.0
+        ball, gone = partner.targets
+        assert (ball.position, ball.sigma) == ([0.1, -0.2, 1.9], 0.01)
+        assert gone.reason == "not seen: hidden"
+    until(lambda: not state_of(session).partners[0].here)
+    words = ["shared with other: here", "shared with other: gone"]
+    assert session.state().notes == words
+
+
+def test_another_source_forgets_what_was_shown(page: tuple[Session, MadeUpFeed], key: str) -> None:
+    session, feed = page
+    with ms.Share("other", key=key) as other:
+        feed.show(seen_of(1))
+        again = shown(MadeUpFeed(1), session)
+        numbers = iter(range(100_000))
+
+        def seen() -> bool:
+            again.show(seen_of(next(numbers), targets=3))
+            return len(other.others()) == 3
+
+        until(seen)
+
+
+def test_the_state_is_short(page: tuple[Session, MadeUpFeed]) -> None:
+    session, _ = page
+    assert msgspec.json.decode(msgspec.json.encode(state_of(session))).keys() == {"name", "key"}
+
+
+def test_without_a_name_nothing_is_shared() -> None:
+    session = Session()
+    made: Any = shared_page(None, session)
+    with made:
+        assert session.state().panels == {}

@@ -7,6 +7,7 @@ from importlib import import_module
 # format: packages of each extra, as pyproject.toml names them; tests/numeric/test_imports.py compares
 EXTRAS = {
     "av": "av>=15",
+    "batch": "distributed>=2025.1",
     "gym": "gymnasium>=1.0",
     "record": "mcap>=1.6",
     "ros": "rosbags>=0.11 mcap>=1.6",

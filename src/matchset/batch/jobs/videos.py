@@ -1,0 +1,133 @@
+"""Which videos a batch has, one after the other: `VideoList`, from folders, lists and names with wildcards."""
+
+import glob
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+SUFFIXES = frozenset(  # format: endings of video files, which alone are taken from a folder
+    ".3gp .asf .avi .bag .db3 .flv .m2ts .m4v .mcap .mjpeg .mjpg .mkv .mov .mp4 .mpeg .mpg .mts .ogv .ts .webm .wmv "
+    ".y4m".split()
+)
+LISTS = frozenset((".txt", ".lst", ".list"))  # format: endings of lists, a video in each line
+
+
+class VideoList:
+    """The videos of a batch, in an order that is always the same; none is opened.
+
+    Only check sums of their names are kept, so that there may be hundreds of thousands.
+
+    Parameters
+    ----------
+    sources : list of str
+        Folders, which are searched with all that is in them; lists; names of files, with wildcards or without.
+
+    Raises
+    ------
+    ValueError
+        If one is not there, or is a camera or a stream, which does not end.
+    """
+
+    def __init__(self, sources: list[str]) -> None:
+        self._sources = sources
+        self.count = self.twice = 0
+        common: str | None = None
+        for path in self:
+            self.count += 1
+            parent = os.path.dirname(path)
+            common = parent if common is None else os.path.commonpath([common, parent])
+        if common is None:
+            raise ValueError(f"there is no video in {', '.join(sources)}")
+        self.common = Path(common)
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the videos, each by its whole name, once."""
+        seen = set[int]()
+        self.twice = 0
+        for source in self._sources:
+            for path in _expanded(source):
+                key = hash(os.path.realpath(path))
+                if key in seen:
+                    self.twice += 1
+                    continue
+                seen.add(key)
+                yield path
+
+
+def _expanded(source: str) -> Iterator[str]:
+    """Yield the whole names of the videos that one word of the command line means."""
+    check_ends(source)
+    if os.path.isdir(source):
+        yield from _in_folder(source)
+    elif os.path.splitext(source)[1].lower() in LISTS:
+        yield from _in_list(source)
+    elif os.path.lexists(source):
+        yield os.path.abspath(source)
+    else:
+        found = sorted(glob.glob(source, recursive=True))
+        if not found:
+            raise ValueError(f"no such file: {source}")
+        for each in found:
+            if os.path.isdir(each):
+                yield from _in_folder(each)
+            else:
+                yield os.path.abspath(each)
+
+
+def _in_folder(folder: str) -> Iterator[str]:
+    for place, folders, files in os.walk(folder):
+        folders.sort()
+        for name in sorted(files):
+            if os.path.splitext(name)[1].lower() in SUFFIXES:
+                yield os.path.abspath(os.path.join(place, name))
+
+
+def _in_list(path: str) -> Iterator[str]:
+    try:
+        with open(path, encoding="utf-8-sig", errors="surrogateescape") as lines:
+            for number, line in enumerate(lines, 1):
+                name = line.rstrip("\r\n")
+                if not name.strip() or name.startswith("#"):
+                    continue
+                check_ends(name, f"{path}, line {number}: ")
+                yield os.path.abspath(os.path.join(os.path.dirname(path), name))
+    except FileNotFoundError:
+        raise ValueError(f"no such file: {path}") from None
+    except OSError as error:
+        raise ValueError(f"cannot read {path}: {error.strerror}") from None
+
+
+def check_ends(source: str, where: str = "") -> None:
+    """Refuse what is no file: a camera or a stream (ValueError)."""
+    if "://" in source or (source.isdigit() and not os.path.lexists(source)):
+        raise ValueError(f"{where}{source!r} is a camera or a stream, which does not end: a batch is of files")
+
+
+def folder_of(video: str, root: Path) -> str:
+    """Return the folder of a video's results, from that of all results on.
+
+    Parameters
+    ----------
+    video : str
+        Its whole name.
+    root : Path
+        What most videos have in common; what lies elsewhere gets its whole name behind ``elsewhere``.
+
+    Returns
+    -------
+    str
+        With slashes; what is no printable character is written %0A, as in a URL.
+    """
+    path = Path(video)
+    inside = path.is_relative_to(root)
+    parts = path.relative_to(root).parts if inside else ("elsewhere", *path.parts[1:])
+    return "/".join(map(_plain, parts))
+
+
+def _plain(part: str) -> str:
+    """Write a part of a name without control characters, or what some systems do not allow."""
+    return "".join(_quoted(each) if not each.isprintable() or each in '%:*?"<>|\\' else each for each in part)
+
+
+def _quoted(character: str) -> str:
+    return "".join(f"%{byte:02X}" for byte in os.fsencode(character))

@@ -1,0 +1,1 @@
+"""A long video in stretches that overlap, and one table of them."""

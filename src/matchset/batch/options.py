@@ -60,7 +60,9 @@ class WorkerOptions(msgspec.Struct, frozen=True, kw_only=True):
     ] = None
     split: Annotated[
         float | None,
-        typer.Option("--split", metavar="S", help="Cut videos longer than this into stretches, s, for several workers."),
+        typer.Option(
+            "--split", metavar="S", help="Cut videos longer than this into stretches, s, for several workers."
+        ),
     ] = None
 
 
@@ -89,7 +91,9 @@ class BatchOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     videos: Annotated[
         list[str],
-        typer.Argument(metavar="FOLDER|LIST.txt|GLOB ...", help="Videos: a folder, a list with one in each line, names."),
+        typer.Argument(
+            metavar="FOLDER|LIST.txt|GLOB ...", help="Videos: a folder, a list with one in each line, names."
+        ),
     ]
     out: Annotated[
         str, typer.Option("--out", "-o", metavar="DIR", help="Folder for all results, or a URL that fsspec knows.")

@@ -90,9 +90,7 @@ class Plan:
 
     def _of(self, video: str, folder: str) -> Job | Outcome | None:
         size, modified = stat_of(video)
-        failed = Outcome(
-            video=video, folder=folder, settings="", state="failed", size=size, modified=modified
-        )
+        failed = Outcome(video=video, folder=folder, settings="", state="failed", size=size, modified=modified)
         try:
             job = self.job(video, folder, size)
         except ValueError as error:

@@ -1,4 +1,4 @@
-"""What a batch shows on stderr while it runs: how many are done, the rate, the time left, the slowest: `BatchDisplay`."""
+"""What a batch shows on stderr: how many are done, the rate, the time left, the slowest (`BatchDisplay`)."""
 
 import time
 from pathlib import Path

@@ -25,7 +25,8 @@ from matchset.app.several.options import SeveralOptions
 
 
 CameraFile = Annotated[
-    Path | None, typer.Option("--camera", metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV.")
+    Path | None,
+    typer.Option("--camera", metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV."),
 ]
 FieldOfView = Annotated[
     float | None, typer.Option("--fov", metavar="DEG", help="In place of --camera: the horizontal field of view.")
@@ -41,9 +42,7 @@ FocalSigma = Annotated[
 Diameter = Annotated[float | None, typer.Option("--diameter", metavar="M", help="The ball's diameter.")]
 DiameterSigma = Annotated[
     float | None,
-    typer.Option(
-        "--diameter-sigma", metavar="M", help="Standard deviation of the diameter; it counts in every pose."
-    ),
+    typer.Option("--diameter-sigma", metavar="M", help="Standard deviation of the diameter; it counts in every pose."),
 ]
 MarkerDiameter = Annotated[
     float | None,

@@ -47,7 +47,7 @@ class Clicks:
         folder : str
             Its name in the results.
         """
-        names = video, folder, os.path.relpath(video, self._folder.absolute()), os.path.basename(video)
+        names = video, folder, os.path.relpath(video, self._folder.absolute()), Path(video).name
         return next((self._picks[name] for name in names if name in self._picks), [])
 
 

@@ -33,8 +33,8 @@ def content_digest(video: str) -> str:
     """Return the check sum of a video, SHA-256; of a folder of pictures that of their names, sizes and times."""
     path = Path(video)
     if path.is_dir():
-        stats = [(each.name, each.stat()) for each in sorted(path.iterdir())]
-        return hashlib.sha256(repr([(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]).encode()).hexdigest()
+        stats = [(each.name, *_size_and_time(each)) for each in sorted(path.iterdir())]
+        return hashlib.sha256(repr(stats).encode()).hexdigest()
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -42,9 +42,13 @@ def content_digest(video: str) -> str:
 def stat_of(video: str) -> tuple[int, int]:
     """Return size, bytes, and time of the last change, ns, of a video; (0, 0) if it is not there."""
     try:
-        stat = os.stat(video)
+        return _size_and_time(Path(video))
     except OSError:
         return 0, 0
+
+
+def _size_and_time(path: Path) -> tuple[int, int]:
+    stat = path.stat()
     return stat.st_size, stat.st_mtime_ns
 
 

@@ -1,14 +1,12 @@
 """Which videos a batch has, one after the other: `VideoList`, from folders, lists and names with wildcards."""
 
-import glob
 import os
 from collections.abc import Iterator
 from pathlib import Path
 
-SUFFIXES = frozenset(  # format: endings of video files, which alone are taken from a folder
-    ".3gp .asf .avi .bag .db3 .flv .m2ts .m4v .mcap .mjpeg .mjpg .mkv .mov .mp4 .mpeg .mpg .mts .ogv .ts .webm .wmv "
-    ".y4m".split()
-)
+# format: endings of video files, which alone are taken from a folder
+SUFFIXES = {".3gp", ".asf", ".avi", ".bag", ".db3", ".flv", ".m2ts", ".m4v", ".mcap", ".mjpeg", ".mjpg"}
+SUFFIXES |= {".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".ts", ".webm", ".wmv", ".y4m"}
 LISTS = frozenset((".txt", ".lst", ".list"))  # format: endings of lists, a video in each line
 
 
@@ -34,7 +32,7 @@ class VideoList:
         common: str | None = None
         for path in self:
             self.count += 1
-            parent = os.path.dirname(path)
+            parent = os.fspath(Path(path).parent)
             common = parent if common is None else os.path.commonpath([common, parent])
         if common is None:
             raise ValueError(f"there is no video in {', '.join(sources)}")
@@ -57,40 +55,39 @@ class VideoList:
 def _expanded(source: str) -> Iterator[str]:
     """Yield the whole names of the videos that one word of the command line means."""
     check_ends(source)
-    if os.path.isdir(source):
-        yield from _in_folder(source)
-    elif os.path.splitext(source)[1].lower() in LISTS:
-        yield from _in_list(source)
-    elif os.path.lexists(source):
-        yield os.path.abspath(source)
+    path = Path(source)
+    if path.is_dir():
+        yield from _in_folder(path)
+    elif path.suffix.lower() in LISTS:
+        yield from _in_list(path)
+    elif os.path.lexists(path):
+        yield os.fspath(path.absolute())
     else:
-        found = sorted(glob.glob(source, recursive=True))
+        found = sorted(Path(path.anchor).glob(os.fspath(path.relative_to(path.anchor))))
         if not found:
             raise ValueError(f"no such file: {source}")
         for each in found:
-            if os.path.isdir(each):
-                yield from _in_folder(each)
-            else:
-                yield os.path.abspath(each)
+            yield from _in_folder(each) if each.is_dir() else (os.fspath(each.absolute()),)
 
 
-def _in_folder(folder: str) -> Iterator[str]:
-    for place, folders, files in os.walk(folder):
+def _in_folder(folder: Path) -> Iterator[str]:
+    for place, folders, files in os.walk(folder.absolute()):
         folders.sort()
         for name in sorted(files):
-            if os.path.splitext(name)[1].lower() in SUFFIXES:
-                yield os.path.abspath(os.path.join(place, name))
+            path = Path(place, name)
+            if path.suffix.lower() in SUFFIXES:
+                yield os.fspath(path)
 
 
-def _in_list(path: str) -> Iterator[str]:
+def _in_list(path: Path) -> Iterator[str]:
     try:
-        with open(path, encoding="utf-8-sig", errors="surrogateescape") as lines:
+        with path.open(encoding="utf-8-sig", errors="surrogateescape") as lines:
             for number, line in enumerate(lines, 1):
                 name = line.rstrip("\r\n")
                 if not name.strip() or name.startswith("#"):
                     continue
                 check_ends(name, f"{path}, line {number}: ")
-                yield os.path.abspath(os.path.join(os.path.dirname(path), name))
+                yield os.path.normpath(path.parent.absolute() / name)
     except FileNotFoundError:
         raise ValueError(f"no such file: {path}") from None
     except OSError as error:

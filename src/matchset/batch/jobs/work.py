@@ -24,7 +24,7 @@ MARK, LOG = "batch-mark", "log.txt"  # format: files in the folder of all result
 
 
 class UnfitWorkerError(LinkError):
-    """This worker cannot do the work: its program is another one, or it does not see the folders of the batch.
+    """A worker cannot do the work: its program is another one, or it does not see the folders of the batch.
 
     Parameters
     ----------
@@ -76,9 +76,7 @@ def do_job(job: Job) -> Outcome:
         with store.unfinished() as folder:
             outcome = _run(job, folder)
             seconds = round(time.monotonic() - begin, 3)
-            outcome = msgspec.structs.replace(
-                outcome, size=size, modified=modified, content=content, seconds=seconds
-            )
+            outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
             if outcome.state != "stopped":
                 _name_results(folder / LOG, folder, job.folder)
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
@@ -123,20 +121,23 @@ def _check_worker(job: Job, store: Store) -> None:
 
 def _run(job: Job, folder: Path) -> Outcome:
     """Run the command; what it says goes to `log.txt`."""
-    with (folder / LOG).open("w", encoding="utf-8", errors="surrogateescape") as log:
-        with contextlib.redirect_stdout(log), contextlib.redirect_stderr(log):
-            try:
-                chosen = chosen_for(job, folder)
-                if chosen.doubt:
-                    return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
-                code = run_command(msgspec.structs.replace(chosen.options, source=job.video, out=folder, force=True))
-            except Exception as error:  # whatever a file makes of a decoder: one video is one row
-                if is_full(error):
-                    raise
-                if not isinstance(error, ValueError | OSError):
-                    traceback.print_exc(file=log)
-                print(f"error: {error}", file=log)
-                return _outcome(job, "failed", " ".join(str(error).split()) or type(error).__name__)
+    with (
+        (folder / LOG).open("w", encoding="utf-8", errors="surrogateescape") as log,
+        contextlib.redirect_stdout(log),
+        contextlib.redirect_stderr(log),
+    ):
+        try:
+            chosen = chosen_for(job, folder)
+            if chosen.doubt:
+                return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
+            code = run_command(msgspec.structs.replace(chosen.options, source=job.video, out=folder, force=True))
+        except Exception as error:  # whatever a file makes of a decoder: one video is one row
+            if is_full(error):
+                raise
+            if not isinstance(error, ValueError | OSError):
+                traceback.print_exc(file=log)
+            print(f"error: {error}", file=log)
+            return _outcome(job, "failed", " ".join(str(error).split()) or type(error).__name__)
     return _counted(job, folder, code, chosen)
 
 
@@ -159,9 +160,7 @@ def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> Outcome:
     return msgspec.structs.replace(_outcome(job, state, chosen.words, click=chosen.click), frames=frames, found=found)
 
 
-def _outcome(
-    job: Job, state: State, reason: str = "", *, click: str = "", size: int = 0, modified: int = 0
-) -> Outcome:
+def _outcome(job: Job, state: State, reason: str = "", *, click: str = "", size: int = 0, modified: int = 0) -> Outcome:
     return Outcome(
         video=job.video,
         folder=job.folder,

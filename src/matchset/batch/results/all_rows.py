@@ -93,8 +93,8 @@ def _rows(text: str) -> list[str]:
 class _Parquet:
     """Writes the same rows as Parquet, group by group."""
 
-    def __init__(self, path: Path, arrow: Any) -> None:
-        self.path, self._arrow = path, arrow
+    def __init__(self, path: Path) -> None:
+        self.path = path
         self._writer: Any = None
         self._names = list[str]()
         self._waiting, self._size = list[str](), 0
@@ -118,16 +118,18 @@ class _Parquet:
         text, self._waiting, self._size = "".join(self._waiting), [], 0
         if not text:
             return
-        arrow, csv_of = self._arrow, __import__("pyarrow.csv", fromlist=["csv"])
+        import pyarrow as arrow
+        from pyarrow import csv as arrow_csv
+        from pyarrow import parquet
+
         types = {name: _type(arrow, name) for name in self._names}
-        table = csv_of.read_csv(
+        table = arrow_csv.read_csv(
             arrow.BufferReader(text.encode()),
-            read_options=csv_of.ReadOptions(column_names=self._names),
-            parse_options=csv_of.ParseOptions(newlines_in_values=True),
-            convert_options=csv_of.ConvertOptions(column_types=types, strings_can_be_null=False),
+            read_options=arrow_csv.ReadOptions(column_names=self._names),
+            parse_options=arrow_csv.ParseOptions(newlines_in_values=True),
+            convert_options=arrow_csv.ConvertOptions(column_types=types, strings_can_be_null=False),
         )
         if self._writer is None:
-            parquet = __import__("pyarrow.parquet", fromlist=["parquet"])
             self._writer = parquet.ParquetWriter(self.path, table.schema)
         self._writer.write_table(table)
 
@@ -142,7 +144,7 @@ def _type(arrow: Any, name: str) -> Any:
 
 def _parquet(path: Path) -> _Parquet | None:
     try:
-        import pyarrow
+        import pyarrow  # noqa: F401
     except ImportError:
         return None
-    return _Parquet(path, pyarrow)
+    return _Parquet(path)

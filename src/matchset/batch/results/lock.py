@@ -79,7 +79,7 @@ class FolderLock:
         except OSError:
             owner = os.read(self._file, 200).decode(errors="replace").strip()  # format: longer than any name
             os.close(self._file)
-            raise ValueError(f"another batch writes into {self._path.parent}: {owner or 'its name is not known'}") from None
+            raise ValueError(f"another batch writes into {self._path.parent}: {owner or 'not named'}") from None
         os.ftruncate(self._file, 0)
         os.write(self._file, worker_name().encode())
         return self

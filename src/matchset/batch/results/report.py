@@ -3,7 +3,6 @@
 import csv
 import heapq
 from collections.abc import Iterator
-from pathlib import Path
 
 import msgspec
 

@@ -173,4 +173,4 @@ class RemoteStore:
 
 def store_at(out: str) -> Store:
     """Return the store that `--out` names."""
-    return RemoteStore(out) if "://" in out else FolderStore(Path(os.path.abspath(out)))
+    return RemoteStore(out) if "://" in out else FolderStore(Path(os.path.normpath(Path(out).absolute())))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 import msgspec
+import numpy as np
 
 from matchset.app.drawing.picture_file import write_picture
 from matchset.batch.jobs.choice import FRAME
@@ -57,7 +58,7 @@ def worst_picture(store: Store, outcome: Outcome, path: Path) -> bool:
     if image is None:
         return False
     scale = PARAMETERS.width / image.shape[1]
-    write_picture(path, cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
+    write_picture(path, cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA).astype(np.uint8))
     return True
 
 

@@ -64,12 +64,13 @@ class DaskCluster:
 
     def __init__(self, address: str, shape: str = "circle") -> None:
         try:
-            from distributed import Client
+            import distributed
         except ImportError:
             raise ValueError(f"--scheduler needs the extra batch: {advice('batch')}") from None
         self._shape, self.notes = shape, list[str]()
+        client_of: Any = distributed.Client
         try:
-            self._client: Any = Client(address, timeout=PARAMETERS.connect, set_as_default=False)
+            self._client: Any = client_of(address, timeout=PARAMETERS.connect, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise LinkError(f"no scheduler of Dask answers at {address}: {' '.join(str(error).split())}") from None
         self.address, self.dashboard = address, str(self._client.dashboard_link or "")

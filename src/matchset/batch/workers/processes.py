@@ -134,6 +134,6 @@ class Processes:
 
 
 def _process() -> ProcessPoolExecutor:
-    os.environ.update({name: os.environ.get(name, value) for name, value in ONE_THREAD.items()})  # for its children
+    os.environ.update({name: os.environ.get(name, "1") for name in ONE_THREAD})  # for its children
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(1, mp_context=context, initializer=begin_worker, initargs=(os.getpid(),))

@@ -21,10 +21,14 @@ class WorkerParameters(msgspec.Struct, frozen=True):
 
 
 PARAMETERS = WorkerParameters()
-ONE_THREAD = {  # format: a worker uses one processor
-    name: "1"
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
-}
+# format: a worker uses one processor
+ONE_THREAD = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+    "OPENCV_FOR_THREADS_NUM",
+)
 
 
 def begin_worker(parent: int) -> None:

@@ -31,7 +31,7 @@ class Batch:
         self._plan, self._manifest, self._counts, self._clicker = plan, manifest, counts, clicker
         self._work: Iterator[Job | Outcome] | None = plan.work()
         self._queue: deque[Job] = deque()
-        self._parts = Parts()
+        self._parts = Parts(plan.split)
 
     def step(self, pool: Pool) -> bool:
         """Give jobs and take answers; returns whether there is more to do.
@@ -71,8 +71,11 @@ class Batch:
         if answer.outcome is None or answer.outcome.state == "stopped":
             return
         if answer.job.stretch is not None:
-            joining = self._parts.ended(answer.job, answer.outcome)
-            self._queue += [] if joining is None else [joining]
+            ended = self._parts.ended(answer.job, answer.outcome)
+            if isinstance(ended, Outcome):
+                self._note(ended)
+            elif ended is not None:
+                self._queue.append(ended)
             return
         self._note(answer.outcome)
 

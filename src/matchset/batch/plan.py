@@ -51,7 +51,7 @@ class Plan:
         split: float | None = None,
     ) -> None:
         self.videos, self.choice, self._store, self._manifest = videos, choice, store, manifest
-        self.out, self._retry, self._split = out, retry, split
+        self.out, self._retry, self.split = out, retry, split
         self.earlier, self.mark = 0, secrets.token_hex(8)
 
     def work(self) -> Iterator[Job | Outcome]:
@@ -67,7 +67,7 @@ class Plan:
     def job(self, video: str, folder: str, size: int) -> Job:
         """Return the job of a video (ValueError if nothing says what to follow in it)."""
         options, auto = self.choice.options(video, folder)
-        settings = settings_digest(options, f"{code_digest()} auto={auto} split={self._split}")
+        settings = settings_digest(options, f"{code_digest()} auto={auto} split={self.split}")
         return Job(
             video=video,
             folder=folder,

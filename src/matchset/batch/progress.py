@@ -96,7 +96,7 @@ class BatchDisplay:
     def show(self, pool: Pool) -> None:
         """Show how far it is, and what the pool has to say."""
         for note in pool.notes:
-            self._console.print(f"note: {note}", markup=False)
+            self._console.print(f"note: {note}", markup=False, soft_wrap=True)
         pool.notes.clear()
         if self._console.is_terminal:
             self._live.update(self._lines(pool.running))

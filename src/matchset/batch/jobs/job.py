@@ -53,6 +53,10 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         Of the video as the batch sees it, bytes: where a worker sees none it does not share that disk.
     stretch : Stretch or None
         Which part of a long video.
+    parts : int
+        How many stretches are to be joined; 0: it is done in one.
+    seconds : float
+        What its stretches have taken, s.
     """
 
     video: str
@@ -65,6 +69,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     auto: bool = False
     size: int = 0
     stretch: Stretch | None = None
+    parts: int = 0
+    seconds: float = 0.0
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):

@@ -8,16 +8,18 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.exit_codes import FOUND, NOT_FOUND
+from matchset.app.exit_codes import FOUND, NOT_FOUND, print_note
 from matchset.app.locate.command import locate
 from matchset.app.locate.options import LocateOptions
 from matchset.app.track.command import track
-from matchset.batch.jobs.choice import Chosen, chosen_for
+from matchset.batch.jobs.choice import Chosen, chosen_for, doubt_afterwards, write_frame
 from matchset.batch.jobs.counts import counts_in
 from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
 from matchset.batch.jobs.job import DONE, Job, Outcome, State
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.results.store import RUN, Store, store_at
+from matchset.batch.split.joining import MisfitError
+from matchset.batch.split.stretch_work import join_stretches, stretch_folder, stretch_options
 from matchset.image.errors import LinkError
 
 MARK, LOG = "batch-mark", "log.txt"  # format: files in the folder of all results, and in that of a video
@@ -74,13 +76,15 @@ def do_job(job: Job) -> Outcome:
         return msgspec.structs.replace(known, size=size, modified=modified, video=job.video)
     try:
         with store.unfinished() as folder:
-            outcome = _run(job, folder)
-            seconds = round(time.monotonic() - begin, 3)
+            outcome = _run(job, folder, store)
+            seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
             if outcome.state != "stopped":
                 _name_results(folder / LOG, folder, job.folder)
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
                 store.keep(folder, job.folder)
+                for number in range(job.parts):
+                    store.remove(stretch_folder(job.folder, number))
     except OSError as error:
         if is_full(error):
             raise FullDiskError(errno.ENOSPC, f"no room for the results of {job.video}", job.out) from None
@@ -119,7 +123,7 @@ def _check_worker(job: Job, store: Store) -> None:
         raise UnfitWorkerError(worker, f"it does not see {job.video}: share that folder")
 
 
-def _run(job: Job, folder: Path) -> Outcome:
+def _run(job: Job, folder: Path, store: Store) -> Outcome:
     """Run the command; what it says goes to `log.txt`."""
     with (
         (folder / LOG).open("w", encoding="utf-8", errors="surrogateescape") as log,
@@ -127,10 +131,14 @@ def _run(job: Job, folder: Path) -> Outcome:
         contextlib.redirect_stderr(log),
     ):
         try:
+            words = _joined(job, folder, store)
+            if words:
+                return _counted(job, folder, FOUND, Chosen(job.options, words=words))
             chosen = chosen_for(job, folder)
             if chosen.doubt:
                 return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
-            code = run_command(msgspec.structs.replace(chosen.options, source=job.video, out=folder, force=True))
+            options = chosen.options if job.stretch is None else stretch_options(job, chosen.options, folder)
+            code = run_command(msgspec.structs.replace(options, source=job.video, out=folder, force=True))
         except Exception as error:  # whatever a file makes of a decoder: one video is one row
             if is_full(error):
                 raise
@@ -139,6 +147,17 @@ def _run(job: Job, folder: Path) -> Outcome:
             print(f"error: {error}", file=log)
             return _outcome(job, "failed", " ".join(str(error).split()) or type(error).__name__)
     return _counted(job, folder, code, chosen)
+
+
+def _joined(job: Job, folder: Path, store: Store) -> str:
+    """Join the stretches of a video, in words; empty if there are none, or they do not fit together."""
+    if not job.parts:
+        return ""
+    try:
+        return join_stretches(job, store, folder)
+    except MisfitError as error:
+        print_note(f"{error}: the video is followed whole")
+        return ""
 
 
 def _name_results(log: Path, folder: Path, name: str) -> None:
@@ -157,6 +176,10 @@ def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> Outcome:
         return _outcome(job, "stopped", "stopped")
     frames, found = counts_in(folder)
     state: State = "found" if found else "not found"
+    doubt = doubt_afterwards(frames, found) if job.auto else ""
+    if doubt:
+        write_frame(job, chosen.click, folder)
+        state, chosen = "doubtful", msgspec.structs.replace(chosen, words=doubt)
     return msgspec.structs.replace(_outcome(job, state, chosen.words, click=chosen.click), frames=frames, found=found)
 
 
@@ -171,4 +194,5 @@ def _outcome(job: Job, state: State, reason: str = "", *, click: str = "", size:
         click=click,
         size=size,
         modified=modified,
+        stretch=None if job.stretch is None else job.stretch.number,
     )

@@ -38,6 +38,10 @@ class Store(Protocol):
         """Keep a file of an unfinished folder under a name."""
         ...
 
+    def remove(self, folder: str) -> None:
+        """Remove a folder, if it is there."""
+        ...
+
     def names(self, folder: str) -> list[str]:
         """Return the files of a folder, by their own names, in order; none if there is none."""
         ...
@@ -89,6 +93,10 @@ class FolderStore:
     def put(self, path: Path, name: str) -> None:
         """See `Store`."""
         path.replace(self.path / name)
+
+    def remove(self, folder: str) -> None:
+        """See `Store`."""
+        shutil.rmtree(self.path / folder, ignore_errors=True)
 
     def names(self, folder: str) -> list[str]:
         """See `Store`."""
@@ -158,6 +166,11 @@ class RemoteStore:
     def put(self, path: Path, name: str) -> None:
         """See `Store`."""
         self._files.put_file(str(path), self._at(name))
+
+    def remove(self, folder: str) -> None:
+        """See `Store`."""
+        with contextlib.suppress(FileNotFoundError):
+            self._files.rm(self._at(folder), recursive=True)
 
     def names(self, folder: str) -> list[str]:
         """See `Store`."""

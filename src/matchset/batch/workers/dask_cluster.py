@@ -1,5 +1,6 @@
 """Workers of a scheduler of Dask, on this computer and others: `DaskCluster`."""
 
+import logging
 import queue
 import time
 from types import TracebackType
@@ -73,7 +74,13 @@ class DaskCluster:
             self._client: Any = client_of(address, timeout=PARAMETERS.connect, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise LinkError(f"no scheduler of Dask answers at {address}: {' '.join(str(error).split())}") from None
-        self.address, self.dashboard = address, str(self._client.dashboard_link or "")
+        has_page = "dashboard" in self._client.scheduler_info()["services"]
+        self.address, self.dashboard = address, str(self._client.dashboard_link) if has_page else ""
+        for name in ("distributed", "distributed.client"):  # what a person should know is said here
+            for handler in logging.getLogger(name).handlers:
+                handler.setLevel(logging.CRITICAL)
+        self._lost: Any = distributed.comm.core.CommClosedError
+        self._gone = f"the scheduler at {address} went away: start it, and type the same command again"
         self._ended: queue.Queue[Any] = queue.Queue()
         self._jobs: dict[Any, Job] = {}
         self._begun: dict[str, float] = {}
@@ -126,6 +133,8 @@ class DaskCluster:
                 future = self._ended.get_nowait()
         except queue.Empty:
             pass
+        except self._lost:
+            raise LinkError(self._gone) from None
         waiting, self._waiting = self._waiting, []
         for job in waiting:
             self.give(job)
@@ -133,8 +142,8 @@ class DaskCluster:
 
     def _check(self) -> None:
         """Raise LinkError if nobody is left."""
-        if self._client.status not in ("running", "connecting") or self._client.scheduler.comm.closed():
-            raise LinkError(f"the scheduler at {self.address} went away: start it, and type the same command again")
+        if self._client.status != "running":
+            raise LinkError(self._gone)
         self._look()
         if self._unfit and not self._fit:
             raise LinkError("no worker is fit: " + "; ".join(f"{name}: {why}" for name, why in self._unfit.items()))
@@ -179,7 +188,10 @@ class DaskCluster:
         if now - self._looked < PARAMETERS.look:
             return
         self._looked = now
-        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        except (OSError, TimeoutError):  # it went away, as `_check` says
+            return
         self._fit = {name: each["nthreads"] for name, each in workers.items() if name not in self._unfit}
 
     def _one_of_each_computer(self) -> list[str]:

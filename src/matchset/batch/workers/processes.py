@@ -15,7 +15,7 @@ from matchset.batch.jobs.identity import stat_of
 from matchset.batch.jobs.job import Job, Outcome
 from matchset.batch.jobs.work import do_job
 from matchset.batch.workers.pool import RETRY, Answer, died
-from matchset.batch.workers.worker import ONE_THREAD, begin_worker, warm_up
+from matchset.batch.workers.worker import THREADS, begin_worker, warm_up
 
 
 class _Slot:
@@ -134,6 +134,6 @@ class Processes:
 
 
 def _process() -> ProcessPoolExecutor:
-    os.environ.update({name: os.environ.get(name, "1") for name in ONE_THREAD})  # for its children
+    os.environ.update({name: os.environ.get(name, "1") for name in THREADS})  # for its children
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(1, mp_context=context, initializer=begin_worker, initargs=(os.getpid(),))

@@ -22,13 +22,7 @@ class WorkerParameters(msgspec.Struct, frozen=True):
 
 PARAMETERS = WorkerParameters()
 # format: a worker uses one processor
-ONE_THREAD = (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-    "OPENCV_FOR_THREADS_NUM",
-)
+THREADS = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"
 
 
 def begin_worker(parent: int) -> None:

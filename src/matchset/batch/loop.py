@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from matchset.app.exit_codes import print_note
 from matchset.batch.clicking.clicker import Clicker
 from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.jobs.videos import real_name
 from matchset.batch.plan import Plan
 from matchset.batch.progress import BatchCounts
 from matchset.batch.results.manifest import Manifest
@@ -89,11 +90,12 @@ class Batch:
         """Return the jobs of videos in which somebody has clicked since."""
         jobs = list[Job]()
         for click in self._clicker.clicks():
-            self._plan.choice.add(click.video, click.pick)
+            video = real_name(click.video)
+            self._plan.choice.add(video, click.pick)
             try:
-                jobs.append(self._plan.again(click.video, click.folder))
+                jobs.append(self._plan.again(video, click.folder))
             except ValueError as error:
                 print_note(f"{click.video}: {error}")
-        if jobs:
-            self._counts.states["doubtful"] -= len(jobs)
+        asked = self._counts.states.get("doubtful", 0)
+        self._counts.states["doubtful"] = max(asked - len(jobs), 0)
         return jobs

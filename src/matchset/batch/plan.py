@@ -9,7 +9,7 @@ from matchset.batch.jobs.identity import code_digest, stat_of
 from matchset.batch.jobs.job import DONE, Job, Outcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.video_options import settings_digest
-from matchset.batch.jobs.videos import VideoList, folder_of
+from matchset.batch.jobs.videos import VideoList, folder_of, plain_name
 from matchset.batch.jobs.work import kept_outcome
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.store import Store
@@ -90,16 +90,17 @@ class Plan:
 
     def _of(self, video: str, folder: str) -> Job | Outcome | None:
         size, modified = stat_of(video)
-        failed = Outcome(video=video, folder=folder, settings="", state="failed", size=size, modified=modified)
+        name = plain_name(video)
+        failed = Outcome(video=name, folder=folder, settings="", state="failed", size=size, modified=modified)
         try:
             job = self.job(video, folder, size)
         except ValueError as error:
             return self._unless_known(failed, str(error))
         if not size and not modified:
             return self._unless_known(failed, "no such file")
-        if self._manifest.is_done(video, size, modified, job.settings, not self._retry):
+        if self._manifest.is_done(name, size, modified, job.settings, not self._retry):
             return None
         kept = kept_outcome(self._store, job)  # a batch that was killed between both
-        if kept is not None and (kept.size, kept.modified) == (size, modified) and kept.video == video:
+        if kept is not None and (kept.size, kept.modified) == (size, modified) and kept.video == name:
             return kept if kept.state in DONE or not self._retry else job
         return job

@@ -68,7 +68,7 @@ class BatchCounts:
         seconds = max(time.monotonic() - self._begun, 1e-9)
         rate, left = self.ended / seconds, self.total - self.earlier - self.ended
         parts = [f"{self.earlier + self.ended} of {self.total} videos"]
-        parts += [f"{count} {state}" for state, count in sorted(self.states.items()) if state != "found"]
+        parts += [f"{count} {state}" for state, count in sorted(self.states.items()) if state != "found" and count]
         if self.ended and left > 0:
             parts += [f"{rate_text(rate)}", f"{duration_text(left / rate)} left"]
         return ", ".join(parts)

@@ -3,12 +3,14 @@
 import contextlib
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_note
 from matchset.batch.clicking.clicker import Clicker, Nobody
+from matchset.batch.jobs.job import Outcome
 from matchset.batch.jobs.target import TargetChoice
-from matchset.batch.jobs.videos import VideoList
+from matchset.batch.jobs.videos import VideoList, folder_of
 from matchset.batch.jobs.work import MARK
 from matchset.batch.loop import Batch
 from matchset.batch.options import BatchOptions
@@ -21,6 +23,7 @@ from matchset.batch.results.store import UNFINISHED, FolderStore, Store, store_a
 from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
 from matchset.batch.workers.processes import Processes
+from matchset.numeric.imports import advice
 
 CLICKS = "clicks.csv"  # format: in the folder of all results, the clicks of the page
 
@@ -70,12 +73,24 @@ def _work(
     lock, stop = held
     clear_unfinished(plan.out)
     clicker = _clicker(options, plan)
+    if options.page:
+        for outcome in doubtful(manifest, plan):
+            clicker.ask(outcome)
     batch = Batch(plan, manifest, counts, clicker)
     with contextlib.closing(clicker), _pool(options) as pool, BatchDisplay(counts) as display:
         while not stop and batch.step(pool):
             display.show(pool)
             lock.beat()
         display.show(pool)
+
+
+def doubtful(manifest: Manifest, plan: Plan) -> Iterator[Outcome]:
+    """Yield what was doubtful in an earlier run, and still is."""
+    with manifest.by_folder() as outcomes:
+        for video in plan.videos:
+            outcome = outcomes.last(folder_of(video, manifest.root))
+            if outcome is not None and outcome.state == "doubtful":
+                yield outcome
 
 
 def clear_unfinished(out: str) -> None:
@@ -87,8 +102,10 @@ def clear_unfinished(out: str) -> None:
 def _clicker(options: BatchOptions, plan: Plan) -> Clicker:
     if not options.page:
         return Nobody()
-    from matchset.batch.clicking.page import ClickPage
-
+    try:
+        from matchset.batch.clicking.page import ClickPage
+    except ImportError as error:
+        raise ValueError(f"--page needs the extra web ({error.name} is missing): {advice('web')}") from None
     return ClickPage(plan.out, CLICKS)
 
 

@@ -79,7 +79,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     video, folder, settings : str
-        Those of the job.
+        Those of the job; the name of the video by `plain_name`.
     state : str
     reason : str
         Why it failed, or is doubtful; how it was chosen.

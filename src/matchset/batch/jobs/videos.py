@@ -3,10 +3,12 @@
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import unquote_to_bytes
 
 # format: endings of video files, which alone are taken from a folder
 SUFFIXES = {".3gp", ".asf", ".avi", ".bag", ".db3", ".flv", ".m2ts", ".m4v", ".mcap", ".mjpeg", ".mjpg"}
 SUFFIXES |= {".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".ts", ".webm", ".wmv", ".y4m"}
+FORBIDDEN = '%:*?"<>|\\'  # format: in names of files, on one system or another; and what marks them here
 LISTS = frozenset((".txt", ".lst", ".list"))  # format: endings of lists, a video in each line
 
 
@@ -113,17 +115,26 @@ def folder_of(video: str, root: Path) -> str:
     Returns
     -------
     str
-        With slashes; what is no printable character is written %0A, as in a URL.
+        With slashes; what is not printable, or not allowed in names everywhere, is written %0A, as in a URL.
     """
     path = Path(video)
     inside = path.is_relative_to(root)
     parts = path.relative_to(root).parts if inside else ("elsewhere", *path.parts[1:])
-    return "/".join(map(_plain, parts))
+    return "/".join(_plain(part, FORBIDDEN) for part in parts)
 
 
-def _plain(part: str) -> str:
-    """Write a part of a name without control characters, or what some systems do not allow."""
-    return "".join(_quoted(each) if not each.isprintable() or each in '%:*?"<>|\\' else each for each in part)
+def plain_name(video: str) -> str:
+    """Write the name of a video so that it fits into a line of text; `real_name` undoes it."""
+    return _plain(video, "%")
+
+
+def real_name(text: str) -> str:
+    """Return the name of a video that `plain_name` wrote."""
+    return os.fsdecode(unquote_to_bytes(os.fsencode(text)))
+
+
+def _plain(text: str, forbidden: str) -> str:
+    return "".join(_quoted(each) if not each.isprintable() or each in forbidden else each for each in text)
 
 
 def _quoted(character: str) -> str:

@@ -17,6 +17,7 @@ from matchset.batch.jobs.counts import counts_in
 from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
 from matchset.batch.jobs.job import DONE, Job, Outcome, State
 from matchset.batch.jobs.video_options import Options
+from matchset.batch.jobs.videos import plain_name
 from matchset.batch.results.store import RUN, Store, store_at
 from matchset.batch.split.joining import MisfitError
 from matchset.batch.split.stretch_work import join_stretches, stretch_folder, stretch_options
@@ -73,7 +74,7 @@ def do_job(job: Job) -> Outcome:
         return _outcome(job, "failed", problem, size=size, modified=modified)
     known = kept_outcome(store, job)
     if known is not None and known.content == content and known.state in DONE:
-        return msgspec.structs.replace(known, size=size, modified=modified, video=job.video)
+        return msgspec.structs.replace(known, size=size, modified=modified, video=plain_name(job.video))
     try:
         with store.unfinished() as folder:
             outcome = _run(job, folder, store)
@@ -185,7 +186,7 @@ def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> Outcome:
 
 def _outcome(job: Job, state: State, reason: str = "", *, click: str = "", size: int = 0, modified: int = 0) -> Outcome:
     return Outcome(
-        video=job.video,
+        video=plain_name(job.video),
         folder=job.folder,
         settings=job.settings,
         state=state,

@@ -12,6 +12,7 @@ from matchset.app.drawing.picture_file import write_picture
 from matchset.batch.jobs.choice import FRAME
 from matchset.batch.jobs.counts import TABLES
 from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.videos import real_name
 from matchset.batch.results.store import Store
 from matchset.media.video import Video
 
@@ -47,7 +48,7 @@ def worst_picture(store: Store, outcome: Outcome, path: Path) -> bool:
         return False
     wanted = _first_lost(store, outcome.folder)
     try:
-        with Video(outcome.video) as video:
+        with Video(real_name(outcome.video)) as video:
             image = None
             for frame in video:
                 image = frame.image

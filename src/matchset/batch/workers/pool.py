@@ -6,6 +6,7 @@ from typing import Protocol, Self
 import msgspec
 
 from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.jobs.videos import plain_name
 
 
 class RetryParameters(msgspec.Struct, frozen=True):
@@ -83,7 +84,5 @@ class Pool(Protocol):
 
 def died(job: Job, deaths: int) -> Outcome:
     """Return what is said of a video over which workers have died."""
-    words = f"{deaths} workers died over it"
-    return Outcome(
-        video=job.video, folder=job.folder, settings=job.settings, state="failed", reason=words, size=job.size
-    )
+    name, words = plain_name(job.video), f"{deaths} workers died over it"
+    return Outcome(video=name, folder=job.folder, settings=job.settings, state="failed", reason=words, size=job.size)

@@ -15,11 +15,13 @@ from blue_ball import Matchset, ball_picture
 from matchset.batch import run
 from matchset.batch.clicking.page import ClickPage
 from matchset.batch.jobs import choice
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 
 
-def doubtful(folder: str, click: str = "20,30@5") -> Outcome:
-    return Outcome(video=f"/v/{folder}", folder=folder, settings="", state="doubtful", reason="<b>two</b>", click=click)
+def doubtful(folder: str, click: str = "20,30@5") -> VideoOutcome:
+    return VideoOutcome(
+        video=f"/v/{folder}", folder=folder, settings="", state="doubtful", reason="<b>two</b>", click=click
+    )
 
 
 @pytest.fixture
@@ -79,7 +81,7 @@ def test_doubtful_videos_wait_for_a_click(
     class OneClick(ClickPage):
         """A page at which somebody clicks at once."""
 
-        def ask(self, outcome: Outcome) -> None:
+        def ask(self, outcome: VideoOutcome) -> None:
             super().ask(outcome)
             assert (tmp_path / "results" / outcome.folder / "frame.png").is_file()
             self.answer(0, 60.0, 60.0)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_note
-from matchset.batch.clicking.clicker import Clicker, Nobody
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.clicking.clicker import Clicker, NoClicker
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.videos import VideoList, folder_of
 from matchset.batch.jobs.work import MARK
@@ -43,7 +43,7 @@ def run_batch(options: BatchOptions) -> int:
     clicked = store.path / CLICKS if isinstance(store, FolderStore) else None
     choice = TargetChoice(options, clicked)
     with lock_of(store, out) as lock, Manifest(store, videos.common) as manifest, StopRequest() as stop:
-        plan = Plan(videos, choice, store, manifest, out, retry=options.retry, split=options.worker.split)
+        plan = Plan(videos, choice, store, manifest, out, options)
         store.write(MARK, plan.mark.encode())
         counts = BatchCounts(videos.count)
         _work(options, plan, manifest, counts, (lock, stop))
@@ -84,7 +84,7 @@ def _work(
         display.show(pool)
 
 
-def doubtful(manifest: Manifest, plan: Plan) -> Iterator[Outcome]:
+def doubtful(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
     """Yield what was doubtful in an earlier run, and still is."""
     with manifest.by_folder() as outcomes:
         for video in plan.videos:
@@ -101,7 +101,7 @@ def clear_unfinished(out: str) -> None:
 
 def _clicker(options: BatchOptions, plan: Plan) -> Clicker:
     if not options.page:
-        return Nobody()
+        return NoClicker()
     try:
         from matchset.batch.clicking.page import ClickPage
     except ImportError as error:

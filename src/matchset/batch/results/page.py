@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Protocol
 from urllib.parse import quote
 
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.results.store import Store
 from matchset.batch.results.worst_picture import worst_picture
 
@@ -30,7 +30,7 @@ class Counted(Protocol):
     count: int
 
     @property
-    def worst(self) -> list[Outcome]:
+    def worst(self) -> list[VideoOutcome]:
         """Those with the smallest share found."""
         ...
 
@@ -69,7 +69,7 @@ def write_page(folder: Path, store: Store, totals: Counted) -> None:
     (folder / "summary.html").write_text(page, encoding="utf-8", errors="replace")
 
 
-def _words(outcome: Outcome) -> str:
+def _words(outcome: VideoOutcome) -> str:
     link = f'<a href="{html.escape(quote(outcome.folder))}/log.txt">{html.escape(outcome.folder)}</a>'
     share = f"{outcome.found:,} of {outcome.frames:,} frames" if outcome.frames else html.escape(outcome.state)
     reason = f": {html.escape(outcome.reason)}" if outcome.reason else ""

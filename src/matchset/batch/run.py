@@ -36,7 +36,7 @@ def run_batch(options: BatchOptions) -> int:
     int
         The exit code.
     """
-    videos = VideoList(options.videos)
+    videos = VideoList(options.videos, options.out)
     if videos.twice:
         print_note(f"{videos.twice} videos are listed twice: each is done once")
     store, out = opened_store(options.out)
@@ -109,10 +109,15 @@ def _clicker(options: BatchOptions, plan: Plan) -> Clicker:
     return ClickPage(plan.out, CLICKS)
 
 
+def processors() -> int:
+    """Return how many processors this program may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def _pool(options: BatchOptions) -> Pool:
     worker = options.worker
     if worker.scheduler is None:
-        return Processes(worker.jobs or os.cpu_count() or 1, options.shape)
+        return Processes(worker.jobs or processors(), options.shape)
     if worker.jobs is not None:
         raise ValueError("give one of --jobs and --scheduler")
     cluster = DaskCluster(worker.scheduler, options.shape)

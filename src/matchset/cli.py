@@ -28,6 +28,7 @@ from matchset.app.track.command import (
     track,
 )
 from matchset.app.warm import warm
+from matchset.batch.command import BATCH_EPILOG, batch
 from matchset.flight.fly.command import FLY_EPILOG, fly
 from matchset.flight.identify.command import IDENTIFY_EPILOG, identify
 from matchset.flight.preflight.command import PREFLIGHT_EPILOG, preflight
@@ -64,6 +65,7 @@ app.command(epilog=TRACK_EPILOG)(command_of(track))
 app.command(epilog=LEARN_EPILOG)(command_of(learn))
 app.command(epilog=CALIBRATE_EPILOG)(command_of(calibrate))
 app.command(epilog=LOCATE_EPILOG)(command_of(locate))
+app.command(epilog=BATCH_EPILOG)(command_of(batch))
 app.command(epilog=LIVE_EPILOG)(command_of(live))
 app.command(epilog=PREFLIGHT_EPILOG)(command_of(preflight))
 app.command(epilog=FLY_EPILOG)(command_of(fly))

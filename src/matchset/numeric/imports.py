@@ -7,6 +7,7 @@ from importlib import import_module
 # format: packages of each extra, as pyproject.toml names them; tests/numeric/test_imports.py compares
 EXTRAS = {
     "av": "av>=15",
+    "batch": "distributed>=2025.1",
     "frc": "pyntcore>=2026.1",
     "gym": "gymnasium>=1.0",
     "net": "eclipse-zenoh>=1.5",

@@ -70,10 +70,21 @@ PARAMETERS = BallChoiceParameters()
 
 
 class BallChoice(msgspec.Struct, frozen=True):
-    """A frame and the ball-like circles in it, the likeliest to be the ball first, each with the pixel to click at."""
+    """A frame and the ball-like circles in it.
+
+    Parameters
+    ----------
+    frame : Frame
+    candidates : list of Candidate
+        The likeliest to be the ball first, each with the pixel to click at.
+    rank : float
+        How sure the first one is, 0 ... 1: its score, how clearly it is told from what is around it, and in which share
+        of the frames it is found again, as one product. 0 where the frame was not chosen.
+    """
 
     frame: Frame
     candidates: list[Candidate]
+    rank: float = 0.0
 
 
 def choose(video: Video, given: Frame | None = None) -> BallChoice:
@@ -111,8 +122,9 @@ def choose(video: Video, given: Frame | None = None) -> BallChoice:
     likeliest = _likeliest(sampled, None if given is None else given.index)
     if likeliest is None:
         return BallChoice(whole[sampled[0][0].index] if given is None else given, [])
-    frame, best = likeliest
-    return _in_full(_choice(frame, next(found for each, found in sampled if each is frame), best), whole[frame.index])
+    rank, frame, best = likeliest
+    chosen = _choice(frame, next(found for each, found in sampled if each is frame), best)
+    return msgspec.structs.replace(_in_full(chosen, whole[frame.index]), rank=rank)
 
 
 def _in_full(choice: BallChoice, frame: Frame) -> BallChoice:
@@ -145,8 +157,10 @@ def _samples(video: Video, whole: dict[int, Frame]) -> list[tuple[Frame, list[Ca
     return found
 
 
-def _likeliest(sampled: Sequence[tuple[Frame, list[Candidate]]], index: int | None) -> tuple[Frame, Candidate] | None:
-    """Frame and circle that are the ball seen best: in any frame, or in that of an index."""
+def _likeliest(
+    sampled: Sequence[tuple[Frame, list[Candidate]]], index: int | None
+) -> tuple[float, Frame, Candidate] | None:
+    """Rank, frame and circle of the ball where it is seen best: in any frame, or in that of an index."""
     things = _things([(frame, each) for frame, found in sampled for each in found], index)
     ranked: list[tuple[float, Frame, Candidate]] = []
     for frame, candidate in things[: PARAMETERS.looked_at]:
@@ -161,7 +175,7 @@ def _likeliest(sampled: Sequence[tuple[Frame, list[Candidate]]], index: int | No
         total *= 1.0 - PARAMETERS.late * frame.index / max(last, 1)
         if best is None or total > best[0]:
             best = total, frame, candidate
-    return None if best is None else best[1:]
+    return best
 
 
 def _things(seen: list[tuple[Frame, Candidate]], index: int | None) -> list[tuple[Frame, Candidate]]:

@@ -24,6 +24,35 @@ from matchset.app.cli_options import (
 from matchset.app.several.options import SeveralOptions
 from matchset.app.viewers.options import ViewerOptions
 
+CameraFile = Annotated[
+    Path | None,
+    typer.Option("--camera", metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV."),
+]
+FieldOfView = Annotated[
+    float | None, typer.Option("--fov", metavar="DEG", help="In place of --camera: the horizontal field of view.")
+]
+FocalSigma = Annotated[
+    float | None,
+    typer.Option(
+        "--focal-sigma",
+        metavar="SHARE",
+        help="Standard deviation of the focal length, as a share of it; 0.05 is 5 %.",
+    ),
+]
+Diameter = Annotated[float | None, typer.Option("--diameter", metavar="M", help="The ball's diameter.")]
+DiameterSigma = Annotated[
+    float | None,
+    typer.Option("--diameter-sigma", metavar="M", help="Standard deviation of the diameter; it counts in every pose."),
+]
+MarkerDiameter = Annotated[
+    float | None,
+    typer.Option("--marker-diameter", metavar="M", help="Straight across a marker; without it 0.06."),
+]
+MarkersFile = Annotated[
+    Path | None,
+    typer.Option("--markers", metavar="FILE.toml", help="The ball, if it has several markers: see below."),
+]
+
 
 class MarkerOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options that say what color the markers have; at most one of the two is given."""
@@ -49,29 +78,16 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     source: Source
     topic: Topic = None
     view: ViewOptions = ViewOptions()
-    camera: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV.")
-    ] = None
-    fov: Annotated[
-        float | None, typer.Option(metavar="DEG", help="In place of --camera: the horizontal field of view.")
-    ] = None
-    focal_sigma: Annotated[
-        float | None,
-        typer.Option(metavar="SHARE", help="Standard deviation of the focal length, as a share of it; 0.05 is 5 %."),
-    ] = None
-    diameter: Annotated[float | None, typer.Option(metavar="M", help="The ball's diameter.")] = None
-    diameter_sigma: Annotated[
-        float | None, typer.Option(metavar="M", help="Standard deviation of the diameter; it counts in every pose.")
-    ] = None
+    camera: CameraFile = None
+    fov: FieldOfView = None
+    focal_sigma: FocalSigma = None
+    diameter: Diameter = None
+    diameter_sigma: DiameterSigma = None
     target: SeveralTargetOptions = SeveralTargetOptions()
     several: SeveralOptions = SeveralOptions()
     marker: MarkerOptions = MarkerOptions()
-    marker_diameter: Annotated[
-        float | None, typer.Option(metavar="M", help="Straight across a marker; without it 0.06.")
-    ] = None
-    markers: Annotated[
-        Path | None, typer.Option(metavar="FILE.toml", help="The ball, if it has several markers: see below.")
-    ] = None
+    marker_diameter: MarkerDiameter = None
+    markers: MarkersFile = None
     video: AnnotatedVideo = None
     shown: ShownOptions = ShownOptions()
     viewers: ViewerOptions = ViewerOptions()

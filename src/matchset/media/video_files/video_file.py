@@ -182,6 +182,10 @@ class VideoFile(Recorded):
         elif kind.cut and (unread > 0 or not kind.counts_ticks):  # some AVI writers state a few bytes too many
             self._notes.append(f"the file is cut off, it ends after {self._next} frames")
 
+    def time_of(self, index: int, stamp: float) -> float:
+        """Return the time, s, of a frame that was decoded by another opening of the file, after all those before it."""
+        return self._clock.time(index, stamp)
+
     def close(self) -> None:
         """Let go of the file."""
         self._capture.release()

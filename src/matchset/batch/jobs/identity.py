@@ -1,0 +1,63 @@
+"""Which program this is, and which video that is: `code_digest`, `content_digest`, `stat_of`."""
+
+import functools
+import hashlib
+import os
+import platform
+import socket
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[2]
+
+
+@functools.cache
+def code_digest() -> str:
+    """Return the version of this program and a check sum of its sources and of the libraries that compute with it."""
+    digest = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*.py")):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes())
+    libraries = [f"{name} {_version(name)}" for name in ("numpy", "scipy", "numba", "opencv-python-headless", "av")]
+    digest.update(repr(libraries).encode())
+    return f"{_version('matchset')} {digest.hexdigest()[:16]}"
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "none"
+
+
+def content_digest(video: str) -> str:
+    """Return the check sum of a video, SHA-256; of a folder of pictures that of their names, sizes and times."""
+    path = Path(video)
+    if path.is_dir():
+        stats = [(each.name, *_size_and_time(each)) for each in sorted(path.iterdir())]
+        return hashlib.sha256(repr(stats).encode()).hexdigest()
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def stat_of(video: str) -> tuple[int, int]:
+    """Return size, bytes, and time of the last change, ns, of a video; (0, 0) if it is not there."""
+    try:
+        return _size_and_time(Path(video))
+    except OSError:
+        return 0, 0
+
+
+def _size_and_time(path: Path) -> tuple[int, int]:
+    stat = path.stat()
+    return stat.st_size, stat.st_mtime_ns
+
+
+def worker_name() -> str:
+    """Return the name of this process: computer and number."""
+    return f"{socket.gethostname() or platform.node()}:{os.getpid()}"
+
+
+def done_key(video: str, size: int, modified: int, settings: str) -> bytes:
+    """Return what a finished video is known by."""
+    text = "\0".join((video, str(size), str(modified), settings))
+    return hashlib.blake2b(os.fsencode(text), digest_size=16).digest()

@@ -1,0 +1,201 @@
+"""What a worker does with one video: `do_job`."""
+
+import contextlib
+import errno
+import time
+import traceback
+from pathlib import Path
+
+import msgspec
+
+from matchset.app.exit_codes import FOUND, NOT_FOUND, print_note
+from matchset.app.locate.command import locate
+from matchset.app.locate.options import LocateOptions
+from matchset.app.track.command import track
+from matchset.batch.jobs.choice import Chosen, chosen_for, doubt_afterwards, write_frame
+from matchset.batch.jobs.counts import counts_in
+from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
+from matchset.batch.jobs.job import DONE, Job, State, VideoOutcome
+from matchset.batch.jobs.video_options import Options
+from matchset.batch.jobs.videos import plain_name
+from matchset.batch.results.store import RUN, Store, store_at
+from matchset.batch.split.joining import MisfitError
+from matchset.batch.split.stretch_work import join_stretches, stretch_folder, stretch_options
+from matchset.image.errors import LinkError
+
+MARK, LOG = "batch-mark", "log.txt"  # format: files in the folder of all results, and in that of a video
+
+
+class UnfitWorkerError(LinkError):
+    """A worker cannot do the work: its program is another one, or it does not see the folders of the batch.
+
+    Parameters
+    ----------
+    worker : str
+    reason : str
+    """
+
+    def __init__(self, worker: str, reason: str) -> None:
+        super().__init__(worker, reason)
+        self.worker, self.reason = worker, reason
+
+
+class FullDiskError(OSError):
+    """There is no room for results."""
+
+
+def do_job(job: Job) -> VideoOutcome:
+    """Do what `track` or `locate` does with a video, and keep what it writes in the folder of its results.
+
+    Parameters
+    ----------
+    job : Job
+
+    Returns
+    -------
+    VideoOutcome
+        Also of a video that cannot be read: with the reason.
+
+    Raises
+    ------
+    UnfitWorkerError
+        If this worker cannot do it.
+    FullDiskError
+        If the results do not fit on the disk.
+    """
+    store = store_at(job.out)
+    _check_worker(job, store)
+    begin = time.monotonic()
+    size, modified = stat_of(job.video)
+    try:
+        content = content_digest(job.video)
+    except OSError as error:
+        content, problem = "", f"cannot read {job.video}: {error.strerror}"
+        return _outcome(job, "failed", problem, size=size, modified=modified)
+    known = kept_outcome(store, job)
+    if known is not None and known.content == content and known.state in DONE:
+        return msgspec.structs.replace(known, size=size, modified=modified, video=plain_name(job.video))
+    try:
+        with store.unfinished() as folder:
+            outcome = _run(job, folder, store)
+            seconds = round(time.monotonic() - begin + job.seconds, 3)
+            outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
+            if outcome.state != "stopped":
+                _name_results(folder / LOG, folder, job.folder)
+                (folder / RUN).write_bytes(msgspec.json.encode(outcome))
+                store.keep(folder, job.folder)
+                for number in range(job.parts):
+                    store.remove(stretch_folder(job.folder, number))
+    except OSError as error:
+        if is_full(error):
+            raise FullDiskError(errno.ENOSPC, f"no room for the results of {job.video}", job.out) from None
+        raise
+    return outcome
+
+
+def kept_outcome(store: Store, job: Job) -> VideoOutcome | None:
+    """Return what the folder of a video's results says became of it with these settings; None if nothing."""
+    text = store.read(f"{job.folder}/{RUN}")
+    if text is None:
+        return None
+    try:
+        outcome = msgspec.json.decode(text, type=VideoOutcome)
+    except msgspec.MsgspecError:
+        return None
+    return outcome if outcome.settings == job.settings else None
+
+
+def is_full(error: BaseException | None) -> bool:
+    """Whether an error is that of a full disk, or came after one."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def _check_worker(job: Job, store: Store) -> None:
+    worker = worker_name()
+    if job.code and job.code != code_digest():
+        raise UnfitWorkerError(worker, f"its matchset is another one: {code_digest()}, here {job.code}")
+    if job.mark and store.read(MARK) != job.mark.encode():
+        raise UnfitWorkerError(worker, f"it does not see {job.out} as it is here: share that folder")
+    if job.size and stat_of(job.video) == (0, 0):
+        raise UnfitWorkerError(worker, f"it does not see {job.video}: share that folder")
+
+
+def _run(job: Job, folder: Path, store: Store) -> VideoOutcome:
+    """Run the command; what it says goes to `log.txt`."""
+    with (
+        (folder / LOG).open("w", encoding="utf-8", errors="surrogateescape") as log,
+        contextlib.redirect_stdout(log),
+        contextlib.redirect_stderr(log),
+    ):
+        try:
+            words = _joined(job, folder, store)
+            if words:
+                return _counted(job, folder, FOUND, Chosen(job.options, words=words))
+            chosen = chosen_for(job, folder)
+            if chosen.doubt:
+                return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
+            options = chosen.options if job.stretch is None else stretch_options(job, chosen.options, folder)
+            code = run_command(msgspec.structs.replace(options, source=job.video, out=folder, force=True))
+        except Exception as error:  # whatever a file makes of a decoder: one video is one row
+            if is_full(error):
+                raise
+            if not isinstance(error, ValueError | OSError):
+                traceback.print_exc(file=log)
+            print(f"error: {error}", file=log)
+            return _outcome(job, "failed", " ".join(str(error).split()) or type(error).__name__)
+    return _counted(job, folder, code, chosen)
+
+
+def _joined(job: Job, folder: Path, store: Store) -> str:
+    """Join the stretches of a video, in words; empty if there are none, or they do not fit together."""
+    if not job.parts:
+        return ""
+    try:
+        return join_stretches(job, store, folder)
+    except MisfitError as error:
+        print_note(f"{error}: the video is followed whole")
+        return ""
+
+
+def _name_results(log: Path, folder: Path, name: str) -> None:
+    """Write the names of files in a log as they will be."""
+    words = log.read_text(encoding="utf-8", errors="surrogateescape")
+    log.write_text(words.replace(str(folder), name), encoding="utf-8", errors="surrogateescape")
+
+
+def run_command(options: Options) -> int:
+    """Run `track` or `locate`; returns its exit code."""
+    return locate(options) if isinstance(options, LocateOptions) else track(options)
+
+
+def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> VideoOutcome:
+    if code not in (FOUND, NOT_FOUND):
+        return _outcome(job, "stopped", "stopped")
+    frames, found = counts_in(folder)
+    state: State = "found" if found else "not found"
+    doubt = doubt_afterwards(frames, found) if job.auto else ""
+    if doubt:
+        write_frame(job, chosen.click, folder)
+        state, chosen = "doubtful", msgspec.structs.replace(chosen, words=doubt)
+    return msgspec.structs.replace(_outcome(job, state, chosen.words, click=chosen.click), frames=frames, found=found)
+
+
+def _outcome(
+    job: Job, state: State, reason: str = "", *, click: str = "", size: int = 0, modified: int = 0
+) -> VideoOutcome:
+    return VideoOutcome(
+        video=plain_name(job.video),
+        folder=job.folder,
+        settings=job.settings,
+        state=state,
+        reason=reason,
+        worker=worker_name(),
+        click=click,
+        size=size,
+        modified=modified,
+        stretch=None if job.stretch is None else job.stretch.number,
+    )

@@ -1,0 +1,144 @@
+"""Two batches into one folder are refused: `FolderLock`, and `RemoteLock` where there are no locks of files."""
+
+import os
+import sys
+import time
+from types import TracebackType
+from typing import Protocol, Self
+
+import msgspec
+
+from matchset.batch.jobs.identity import worker_name
+from matchset.batch.results.store import FolderStore, Store
+
+LOCK = ".lock"
+
+
+class LockParameters(msgspec.Struct, frozen=True):
+    """When a batch whose results are at a URL counts as dead.
+
+    Parameters
+    ----------
+    beat : float
+        It says so often that it runs, s. Less: more requests.
+    dead : float
+        After so long without a word another one may go on, s. Less: a slow network is taken for a dead batch.
+    """
+
+    beat: float = 15.0
+    dead: float = 90.0
+
+
+PARAMETERS = LockParameters()
+
+
+class Owner(msgspec.Struct, frozen=True):
+    """Who runs a batch: computer and process, and when it said so last, s since 1970."""
+
+    name: str
+    time: float = 0.0
+
+
+class Lock(Protocol):
+    """Held while a batch runs."""
+
+    def beat(self) -> None:
+        """Say that the batch still runs."""
+        ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+class FolderLock:
+    """A lock of the operating system, which a killed batch loses.
+
+    Parameters
+    ----------
+    store : FolderStore
+
+    Raises
+    ------
+    ValueError
+        On `__enter__`, if another batch has it.
+    """
+
+    def __init__(self, store: FolderStore) -> None:
+        self._path, self._file = store.path / LOCK, -1
+
+    def beat(self) -> None:
+        """Nothing is to be said: the system knows."""
+
+    def __enter__(self) -> Self:
+        self._file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            _lock(self._file)
+        except OSError:
+            owner = os.read(self._file, 200).decode(errors="replace").strip()  # format: longer than any name
+            os.close(self._file)
+            raise ValueError(f"another batch writes into {self._path.parent}: {owner or 'not named'}") from None
+        os.ftruncate(self._file, 0)
+        os.write(self._file, worker_name().encode())
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        os.close(self._file)
+
+
+def _lock(file: int) -> None:
+    """Lock a file, or raise OSError."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+class RemoteLock:
+    """A file that says who runs, and when it said so last.
+
+    Parameters
+    ----------
+    store : Store
+    where : str
+        For words.
+    """
+
+    def __init__(self, store: Store, where: str) -> None:
+        self._store, self._where, self._said = store, where, 0.0
+
+    def beat(self) -> None:
+        """Say that the batch still runs."""
+        now = time.time()
+        if now - self._said >= PARAMETERS.beat:
+            self._store.write(LOCK, msgspec.json.encode(Owner(worker_name(), now)))
+            self._said = now
+
+    def __enter__(self) -> Self:
+        text = self._store.read(LOCK)
+        try:
+            owner = Owner("") if text is None else msgspec.json.decode(text, type=Owner)
+        except msgspec.MsgspecError:
+            owner = Owner("")
+        if abs(time.time() - owner.time) < PARAMETERS.dead:
+            raise ValueError(f"another batch writes into {self._where}: {owner.name}")
+        self.beat()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._store.write(LOCK, msgspec.json.encode(Owner("")))
+
+
+def lock_of(store: Store, where: str) -> Lock:
+    """Return the lock of a place for results."""
+    return FolderLock(store) if isinstance(store, FolderStore) else RemoteLock(store, where)

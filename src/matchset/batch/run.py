@@ -1,0 +1,126 @@
+"""The run of `matchset batch`: from its options to the manifest, table and page."""
+
+import contextlib
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_note
+from matchset.batch.clicking.clicker import Clicker, NoClicker
+from matchset.batch.jobs.job import VideoOutcome
+from matchset.batch.jobs.target import TargetChoice
+from matchset.batch.jobs.videos import VideoList, folder_of
+from matchset.batch.jobs.work import MARK
+from matchset.batch.loop import Batch
+from matchset.batch.options import BatchOptions
+from matchset.batch.plan import Plan
+from matchset.batch.progress import BatchCounts, BatchDisplay
+from matchset.batch.results.lock import Lock, lock_of
+from matchset.batch.results.manifest import Manifest
+from matchset.batch.results.report import write_report
+from matchset.batch.results.store import UNFINISHED, FolderStore, Store, store_at
+from matchset.batch.workers.dask_cluster import DaskCluster
+from matchset.batch.workers.pool import Pool
+from matchset.batch.workers.processes import Processes
+from matchset.numeric.imports import advice
+
+CLICKS = "clicks.csv"  # format: in the folder of all results, the clicks of the page
+
+
+def run_batch(options: BatchOptions) -> int:
+    """Do what the options say.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    videos = VideoList(options.videos, options.out)
+    if videos.twice:
+        print_note(f"{videos.twice} videos are listed twice: each is done once")
+    store, out = opened_store(options.out)
+    clicked = store.path / CLICKS if isinstance(store, FolderStore) else None
+    choice = TargetChoice(options, clicked)
+    with lock_of(store, out) as lock, Manifest(store, videos.common) as manifest, StopRequest() as stop:
+        plan = Plan(videos, choice, store, manifest, out, options)
+        store.write(MARK, plan.mark.encode())
+        counts = BatchCounts(videos.count)
+        _work(options, plan, manifest, counts, (lock, stop))
+        print(counts.words)
+        if stop:
+            print_note("stopped: the same command goes on")
+            return stop.code
+        total = write_report(store, manifest, plan)
+    return FOUND if total.good else NOT_FOUND
+
+
+def opened_store(out: str) -> tuple[Store, str]:
+    """Return the store that `--out` names, made if it is not there, and its whole name; what was left over is gone."""
+    store = store_at(out)
+    if not isinstance(store, FolderStore):
+        return store, out
+    try:
+        store.path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"cannot write to {store.path}: {error.strerror}") from None
+    return store, os.fspath(store.path)
+
+
+def _work(
+    options: BatchOptions, plan: Plan, manifest: Manifest, counts: BatchCounts, held: tuple[Lock, StopRequest]
+) -> None:
+    lock, stop = held
+    clear_unfinished(plan.out)
+    clicker = _clicker(options, plan)
+    if options.page:
+        for outcome in doubtful(manifest, plan):
+            clicker.ask(outcome)
+    batch = Batch(plan, manifest, counts, clicker)
+    with contextlib.closing(clicker), _pool(options) as pool, BatchDisplay(counts) as display:
+        while not stop and batch.step(pool):
+            display.show(pool)
+            lock.beat()
+        display.show(pool)
+
+
+def doubtful(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
+    """Yield what was doubtful in an earlier run, and still is."""
+    with manifest.by_folder() as outcomes:
+        for video in plan.videos:
+            outcome = outcomes.last(folder_of(video, manifest.root))
+            if outcome is not None and outcome.state == "doubtful":
+                yield outcome
+
+
+def clear_unfinished(out: str) -> None:
+    """Remove what a batch that was killed was writing."""
+    if "://" not in out:
+        shutil.rmtree(Path(out) / UNFINISHED, ignore_errors=True)
+
+
+def _clicker(options: BatchOptions, plan: Plan) -> Clicker:
+    if not options.page:
+        return NoClicker()
+    try:
+        from matchset.batch.clicking.page import ClickPage
+    except ImportError as error:
+        raise ValueError(f"--page needs the extra web ({error.name} is missing): {advice('web')}") from None
+    return ClickPage(plan.out, CLICKS)
+
+
+def processors() -> int:
+    """Return how many processors this program may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _pool(options: BatchOptions) -> Pool:
+    worker = options.worker
+    if worker.scheduler is None:
+        return Processes(worker.jobs or processors(), options.shape)
+    if worker.jobs is not None:
+        raise ValueError("give one of --jobs and --scheduler")
+    cluster = DaskCluster(worker.scheduler, options.shape)
+    if cluster.dashboard:
+        print_note(f"Dask shows its work, where bokeh is installed, at {cluster.dashboard}")
+    return cluster

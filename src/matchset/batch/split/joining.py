@@ -1,0 +1,234 @@
+"""One table of the stretches of a video: frames are matched by their pictures, targets by their places (`joined`)."""
+
+import csv
+import io
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+import msgspec
+
+from matchset.media.video_stretch import StretchMark
+
+TIME_STEP = 1e-6  # format: of the times in tables, s
+
+
+class MisfitError(ValueError):
+    """Two stretches do not have the same pictures where they overlap."""
+
+
+class JoinParameters(msgspec.Struct, frozen=True):
+    """When two stretches are believed to be parts of one video, and where one goes over into the other.
+
+    Parameters
+    ----------
+    pictures : int
+        Pictures that must be the same. More: not satisfied by still pictures alone; needs a longer overlap.
+    same : int
+        Rows one after the other that must be the same in both where one goes over into the other. More: more of what
+        was learned before the cut is forgotten, and the overlap may end first.
+    near : float
+        Targets of both are one if their places differ by less than so many radii, in most of the frames.
+    """
+
+    pictures: int = 30
+    same: int = 15
+    near: float = 0.5
+
+
+PARAMETERS = JoinParameters()
+Row = list[str]
+
+
+class Part:
+    """The table of a stretch, and the marks of its frames.
+
+    Parameters
+    ----------
+    table : bytes
+        tracks.csv or poses.csv.
+    marks : sequence of StretchMark
+
+    Attributes
+    ----------
+    names : list of str
+        Its columns.
+    rows : dict of int to list
+        The rows of each frame, by its number.
+    """
+
+    def __init__(self, table: bytes, marks: Sequence[StretchMark]) -> None:
+        lines = csv.reader(io.StringIO(table.decode(), newline=""))
+        self.names, self.marks = next(lines), list(marks)
+        self.rows: dict[int, list[Row]] = {}
+        for row in lines:
+            self.rows.setdefault(int(row[0]), []).append(row)
+
+    def column(self, name: str) -> int | None:
+        """Return the place of a column; None if there is none."""
+        return self.names.index(name) if name in self.names else None
+
+
+class Cut(msgspec.Struct, frozen=True):
+    """Where one stretch goes over into the next.
+
+    Parameters
+    ----------
+    frame : int
+        The first frame of the later stretch's rows, by its own number.
+    shift : int
+        What is to be added to the numbers of its frames.
+    same : bool
+        Whether the rows of both are the same there.
+    names : dict of str to str
+        The identities of its targets in the earlier one.
+    """
+
+    frame: int
+    shift: int
+    same: bool
+    names: dict[str, str]
+
+
+def joined(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS) -> tuple[bytes, list[int]]:
+    """Return one table of all stretches, and the frames at which they go over into each other with other rows.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        In their order.
+
+    Raises
+    ------
+    MisfitError
+        If two of them do not have the same pictures where they overlap.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(parts[0].names)
+    differing, shift, begin = list[int](), 0, -math.inf
+    names, used = dict[str, str](), 0
+    for number, part in enumerate(parts):
+        cut = None if number + 1 == len(parts) else cut_between(part, parts[number + 1], parameters)
+        end = math.inf if cut is None else cut.frame + cut.shift
+        for frame, rows in part.rows.items():
+            if begin <= frame < end:
+                writer.writerows(_renamed(part, rows, frame + shift, names))
+        used = _used(part, names, used)
+        if cut is None:
+            break
+        if not cut.same:
+            differing.append(int(end) + shift)
+        names = _next_names(parts[number + 1], cut, names, used)
+        begin, shift = cut.frame, shift + cut.shift
+    return text.getvalue().encode(), differing
+
+
+def cut_between(one: Part, other: Part, parameters: JoinParameters = PARAMETERS) -> Cut:
+    """Find where a stretch goes over into the next one.
+
+    Raises
+    ------
+    MisfitError
+        If their pictures or times are not the same where they overlap.
+    """
+    shift, common = _shift(one, other, parameters)
+    names = _same_targets(one, other, shift, common, parameters)
+    run = 0
+    for frame in common:
+        same = _comparable(one, one.rows[frame + shift], {}) == _comparable(other, other.rows[frame], names)
+        run = run + 1 if same else 0
+        if run >= parameters.same:
+            return Cut(frame, shift, True, names)
+    return Cut(common[-1], shift, False, names)
+
+
+def _shift(one: Part, other: Part, parameters: JoinParameters) -> tuple[int, list[int]]:
+    """Return what is to be added to the frames' numbers of the later part, and its frames that the earlier one has."""
+    places = {mark.stamp: mark for mark in one.marks}
+    pairs = [(places[mark.stamp], mark) for mark in other.marks if mark.stamp in places]
+    same = [(a, b) for a, b in pairs if a.checksum == b.checksum and abs(a.time - b.time) < TIME_STEP]
+    shifts = Counter(a.index - b.index for a, b in same)
+    shift, count = shifts.most_common(1)[0] if shifts else (0, 0)
+    common = [b.index for a, b in same if a.index - b.index == shift]
+    if count < parameters.pictures or len(common) < len(pairs) - parameters.pictures:
+        raise MisfitError(f"{count} of {len(pairs)} pictures of two stretches are the same where they overlap")
+    usable = [frame for frame in common if frame + shift in one.rows and frame in other.rows]
+    if not usable:
+        raise MisfitError("two stretches have no rows in common")
+    return shift, usable
+
+
+def _comparable(part: Part, rows: Sequence[Row], names: dict[str, str]) -> list[Row]:
+    """Return the rows of a frame without its number, each with the identity that it has in the earlier stretch."""
+    identity = part.column("identity")
+    if identity is None:
+        return [row[2:] for row in rows]
+    own = [names.get(row[identity], "new") if names else row[identity] for row in rows]
+    return sorted([name, *row[2:identity], *row[identity + 1 :]] for name, row in zip(own, rows, strict=True))
+
+
+def _same_targets(
+    one: Part, other: Part, shift: int, common: Sequence[int], parameters: JoinParameters
+) -> dict[str, str]:
+    """Return the identities of targets of the later stretch in the earlier one, by where they are."""
+    if one.column("identity") is None:
+        return {}
+    votes: Counter[tuple[str, str]] = Counter()
+    for frame in common:
+        before = list(_places(one, one.rows[frame + shift]))
+        for name, x, y, size in _places(other, other.rows[frame]):
+            for old, old_x, old_y, _ in before:
+                if math.hypot(x - old_x, y - old_y) < parameters.near * size:
+                    votes[name, old] += 1
+    names: dict[str, str] = {}
+    for (name, old), _ in votes.most_common():
+        if name not in names and old not in names.values():
+            names[name] = old
+    return names
+
+
+def _places(part: Part, rows: Sequence[Row]) -> Iterator[tuple[str, float, float, float]]:
+    """Yield identity, place and size of the targets that are seen in a frame."""
+    identity, found = part.column("identity"), part.column("found")
+    assert identity is not None
+    assert found is not None
+    first = found + 1  # the shape's, or the pose's, x and y; then its size, of a pose the distance
+    for row in rows:
+        if row[found] == "1":
+            x, y, size = (float(each) for each in row[first : first + 3])
+            yield row[identity], x, y, size
+
+
+def _renamed(part: Part, rows: Sequence[Row], frame: int, names: dict[str, str]) -> Iterator[Row]:
+    """Yield the rows of a frame with its number and the identities in the whole video."""
+    identity, others = part.column("identity"), part.column("alternatives")
+    for row in rows:
+        changed = [str(frame), *row[1:]]
+        if identity is not None and names:
+            changed[identity] = names.get(row[identity], row[identity])
+            if others is not None:
+                changed[others] = " ".join(names.get(each, each) for each in row[others].split())
+        yield changed
+
+
+def _used(part: Part, names: dict[str, str], used: int) -> int:
+    """Return how many identities the whole video has used so far."""
+    identity = part.column("identity")
+    if identity is None:
+        return 0
+    own = {row[identity] for rows in part.rows.values() for row in rows}
+    return max([used, *(int(names.get(each, each)) + 1 for each in own)])
+
+
+def _next_names(part: Part, cut: Cut, names: dict[str, str], used: int) -> dict[str, str]:
+    """Return the identities in the whole video of the targets of the next stretch; new ones get new numbers."""
+    identity = part.column("identity")
+    if identity is None:
+        return {}
+    found = {new: names.get(old, old) for new, old in cut.names.items()}
+    for frame in sorted(part.rows):
+        for row in part.rows[frame] if frame >= cut.frame else ():
+            if row[identity] not in found:
+                found[row[identity]], used = str(used), used + 1
+    return found

@@ -1,0 +1,91 @@
+"""Which stretches a long video is cut into, and which are still missing: `Parts`."""
+
+import msgspec
+
+from matchset.batch.jobs.job import DONE, Job, Stretch, VideoOutcome
+from matchset.batch.split.stretch_work import stretch_folder
+from matchset.media.frame_list import StampedVideo
+
+
+class SplitParameters(msgspec.Struct, frozen=True):
+    """How stretches overlap.
+
+    Parameters
+    ----------
+    overlap : float
+        Time that a stretch has in common with the one before, s. More: what was learned before the cut matters less,
+        and more is done twice.
+    shortest : float
+        A video is cut if it is longer than this share of two stretches. Less: short stretches at the end.
+    """
+
+    overlap: float = 10.0
+    shortest: float = 0.75
+
+
+PARAMETERS = SplitParameters()
+
+
+class _Waiting(msgspec.Struct):
+    """A video whose stretches are being worked on."""
+
+    job: Job
+    missing: int
+    seconds: float = 0.0
+    wrong: VideoOutcome | None = None
+
+
+class Parts:
+    """Cuts jobs into stretches, and says when they can be joined.
+
+    Parameters
+    ----------
+    length : float or None
+        Of a stretch, s; None: nothing is cut.
+    """
+
+    def __init__(self, length: float | None = None, parameters: SplitParameters = PARAMETERS) -> None:
+        self._length, self._parameters = length, parameters
+        self._waiting: dict[str, _Waiting] = {}
+
+    def of(self, job: Job) -> list[Job]:
+        """Return the jobs of the stretches of a video, or its own job."""
+        duration = 0.0 if self._length is None else duration_of(job)
+        if self._length is None or duration < 2.0 * self._parameters.shortest * self._length:
+            return [job]
+        count = max(round(duration / self._length), 2)
+        stretches = [self._stretch(k, count, duration) for k in range(count)]
+        folders = [stretch_folder(job.folder, k) for k in range(count)]
+        parts = zip(folders, stretches, strict=True)
+        jobs = [msgspec.structs.replace(job, folder=folder, stretch=stretch) for folder, stretch in parts]
+        self._waiting[job.video] = _Waiting(msgspec.structs.replace(job, parts=count), count)
+        return jobs
+
+    def _stretch(self, number: int, count: int, duration: float) -> Stretch:
+        begin = duration * number / count - self._parameters.overlap if number else 0.0
+        return Stretch(number, max(begin, 0.0), duration * (number + 1) / count if number < count - 1 else float("inf"))
+
+    def ended(self, job: Job, outcome: VideoOutcome) -> Job | VideoOutcome | None:
+        """Note that a stretch has ended; when none is missing, return the job that joins all, or what went wrong."""
+        waiting = self._waiting[job.video]
+        waiting.missing -= 1
+        waiting.seconds += outcome.seconds
+        if outcome.state not in DONE:
+            waiting.wrong = outcome
+        if waiting.missing:
+            return None
+        del self._waiting[job.video]
+        if waiting.wrong is not None:
+            return msgspec.structs.replace(waiting.wrong, folder=waiting.job.folder, stretch=None)
+        return msgspec.structs.replace(waiting.job, seconds=round(waiting.seconds, 3))
+
+
+def duration_of(job: Job) -> float:
+    """Return how long a video is by what its file says, s; 0 if that is not known, or it cannot be cut."""
+    try:
+        with StampedVideo(job.video, fps=job.options.fps, **job.options.view.arguments) as video:
+            if video.recording is None or video.length is None or not video.fps:
+                return 0.0
+            return video.length / video.fps
+    except (ValueError, OSError):  # its own job says why
+        return 0.0

@@ -1,0 +1,206 @@
+"""Workers of a scheduler of Dask, on this computer and others: `DaskCluster`."""
+
+import logging
+import queue
+import time
+from types import TracebackType
+from typing import Any, Self
+
+import msgspec
+
+from matchset.batch.jobs.identity import stat_of
+from matchset.batch.jobs.job import Job
+from matchset.batch.jobs.work import UnfitWorkerError, do_job
+from matchset.batch.workers.pool import RETRY, Answer, died
+from matchset.batch.workers.worker import use_one_thread, warm_up
+from matchset.image.errors import LinkError
+from matchset.numeric.imports import advice
+
+
+class DaskParameters(msgspec.Struct, frozen=True):
+    """How a scheduler is asked.
+
+    Parameters
+    ----------
+    connect : float
+        How long it is waited for, s.
+    ahead : float
+        Jobs that are given for each thread of a worker. 1: a worker waits for the next one while an answer travels;
+        more: more is done twice if a batch is killed.
+    look : float
+        How often it is looked which workers there are, s.
+    """
+
+    connect: float = 10.0
+    ahead: float = 2.0
+    look: float = 2.0
+
+
+PARAMETERS = DaskParameters()
+
+
+class DaskCluster:
+    """The workers of a scheduler; see `Pool`. Workers may come and go.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, tcp://HOST:PORT or tls://HOST:PORT.
+    shape : str
+        What they will follow: its kernels are loaded, or compiled, by one worker of each computer first.
+
+    Attributes
+    ----------
+    notes : list of str
+    dashboard : str
+        Address of Dask's own page.
+
+    Raises
+    ------
+    ValueError
+        If Dask is not installed.
+    LinkError
+        If no scheduler answers.
+    """
+
+    def __init__(self, address: str, shape: str = "circle") -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise ValueError(f"--scheduler needs the extra batch: {advice('batch')}") from None
+        self._shape, self.notes = shape, list[str]()
+        client_of: Any = distributed.Client
+        try:
+            self._client: Any = client_of(address, timeout=PARAMETERS.connect, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise LinkError(f"no scheduler of Dask answers at {address}: {' '.join(str(error).split())}") from None
+        has_page = "dashboard" in self._client.scheduler_info()["services"]
+        self.address, self.dashboard = address, str(self._client.dashboard_link) if has_page else ""
+        for name in ("distributed", "distributed.client"):  # what a person should know is said here
+            for handler in logging.getLogger(name).handlers:
+                handler.setLevel(logging.CRITICAL)
+        self._lost: Any = distributed.comm.core.CommClosedError
+        self._gone = f"the scheduler at {address} went away: start it, and type the same command again"
+        self._ended: queue.Queue[Any] = queue.Queue()
+        self._jobs: dict[Any, Job] = {}
+        self._begun: dict[str, float] = {}
+        self._unfit = dict[str, str]()
+        self._deaths: dict[str, int] = {}
+        self._waiting: list[Job] = []
+        self._fit: dict[str, int] = {}
+        self._looked = -PARAMETERS.look
+
+    def __enter__(self) -> Self:
+        self._look()
+        if not self._fit:
+            raise LinkError(f"the scheduler at {self.address} has no worker: dask worker {self.address}")
+        for address in self._one_of_each_computer():
+            self._client.submit(warm_up, self._shape, workers=[address], pure=False).result()
+        self._client.run(use_one_thread)
+        return self
+
+    @property
+    def free(self) -> int:
+        """See `Pool`."""
+        self._look()
+        return int(PARAMETERS.ahead * sum(self._fit.values())) - len(self._jobs) - len(self._waiting)
+
+    @property
+    def running(self) -> dict[str, float]:
+        """See `Pool`; with those that wait for a worker."""
+        return dict(self._begun)
+
+    def give(self, job: Job) -> None:
+        """See `Pool`."""
+        self._look()
+        if not self._fit:
+            self._waiting.append(job)
+            return
+        future = self._client.submit(do_job, job, workers=list(self._fit), pure=False)
+        self._jobs[future] = job
+        self._begun.setdefault(job.video, time.monotonic())
+        future.add_done_callback(self._ended.put)
+
+    def answers(self, wait: float) -> list[Answer]:
+        """See `Pool`."""
+        self._check()
+        answers = list[Answer]()
+        try:
+            future = self._ended.get(timeout=wait)
+            while True:
+                answer = self._answer(future)
+                answers += [answer] if answer is not None else []
+                future = self._ended.get_nowait()
+        except queue.Empty:
+            pass
+        except self._lost:
+            raise LinkError(self._gone) from None
+        waiting, self._waiting = self._waiting, []
+        for job in waiting:
+            self.give(job)
+        return answers
+
+    def _check(self) -> None:
+        """Raise LinkError if nobody is left."""
+        if self._client.status != "running":
+            raise LinkError(self._gone)
+        self._look()
+        if self._unfit and not self._fit:
+            raise LinkError("no worker is fit: " + "; ".join(f"{name}: {why}" for name, why in self._unfit.items()))
+
+    def _answer(self, future: Any) -> Answer | None:
+        """Take what a worker has answered; None if the job is given once more."""
+        job = self._jobs.pop(future, None)
+        if job is None:
+            return None
+        if future.status == "cancelled":  # the scheduler is gone: `_check` says so
+            self._waiting.append(job)
+            return None
+        error = future.exception() if future.status == "error" else None
+        if isinstance(error, UnfitWorkerError):
+            self._refuse(error)
+            self._waiting.append(job)
+            return None
+        self._begun.pop(job.video, None)
+        if type(error).__name__ == "KilledWorker":
+            size, modified = stat_of(job.video)
+            return Answer(job, msgspec.structs.replace(died(job, RETRY.deaths), size=size, modified=modified))
+        return Answer(job, error=error) if isinstance(error, Exception) else Answer(job, future.result())
+
+    def _refuse(self, error: UnfitWorkerError) -> None:
+        """Give a worker no more work, and say so once."""
+        addresses = [address for address, name in self._names().items() if name == error.worker]
+        for address in addresses or [error.worker]:
+            if address not in self._unfit:
+                self._unfit[address] = error.reason
+                self.notes.append(f"the worker {error.worker} is refused: {error.reason}")
+        self._looked = -PARAMETERS.look
+
+    def _names(self) -> dict[str, str]:
+        """Return the workers' names as they give them, by their addresses."""
+        from matchset.batch.jobs.identity import worker_name
+
+        return dict(self._client.run(worker_name, on_error="ignore"))
+
+    def _look(self) -> None:
+        """Look which workers there are."""
+        now = time.monotonic()
+        if now - self._looked < PARAMETERS.look:
+            return
+        self._looked = now
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        except (OSError, TimeoutError):  # it went away, as `_check` says
+            return
+        self._fit = {name: each["nthreads"] for name, each in workers.items() if name not in self._unfit}
+
+    def _one_of_each_computer(self) -> list[str]:
+        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        return list({each["host"]: name for name, each in workers.items()}.values())
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for future in list(self._jobs):
+            future.cancel()
+        self._client.close(timeout=PARAMETERS.connect)

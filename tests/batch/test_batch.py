@@ -1,0 +1,251 @@
+"""`matchset batch`: what is written, what a second run does, bad input."""
+
+import csv
+import errno
+import os
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from batched_videos import HerePool, write_ball, write_balls, write_color
+from blue_ball import Matchset
+from matchset.batch import run
+from matchset.batch.jobs import work
+from matchset.batch.jobs.job import VideoOutcome
+
+FILES = {"all.csv", "videos.csv", "summary.html", "manifest.jsonl"}
+
+
+@pytest.fixture
+def pools(monkeypatch: pytest.MonkeyPatch) -> list[HerePool]:
+    """Let batches work in this process; the pools that they made."""
+    made = list[HerePool]()
+
+    def make(*_: object) -> HerePool:
+        made.append(HerePool())
+        return made[-1]
+
+    monkeypatch.setattr(run, "Processes", make)
+    return made
+
+
+@pytest.fixture
+def clips(tmp_path: Path) -> Path:
+    return write_balls(tmp_path / "clips", 4)
+
+
+@pytest.fixture
+def color(tmp_path: Path) -> Path:
+    return write_color(tmp_path / "ball.npz")
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as text:
+        return list(csv.DictReader(text))
+
+
+def outcomes(out: Path) -> list[VideoOutcome]:
+    lines = (out / "manifest.jsonl").read_bytes().splitlines()[1:]
+    return [msgspec.json.decode(line, type=VideoOutcome) for line in lines]
+
+
+def test_tables_are_those_of_track(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert {path.name for path in Path("results").iterdir()} >= FILES
+    for video in sorted(clips.rglob("*.mp4")):
+        assert matchset("track", video, "--color", color, "--no-video", "-o", "one", "--force") == 0
+        name = video.relative_to(clips)
+        assert (Path("one") / "tracks.csv").read_bytes() == (Path("results") / name / "tracks.csv").read_bytes()
+    table = rows(Path("results/videos.csv"))
+    assert [row["video"] for row in table] == ["day0/ball0.mp4", "day0/ball2.mp4", "day1/ball1.mp4", "day1/ball3.mp4"]
+    assert all(row["state"] == "found" and row["share"] == "1.0000" for row in table)
+    assert len(rows(Path("results/all.csv"))) == 48
+
+
+def test_all_of_them_as_parquet(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    table = parquet.read_table("results/all.parquet")
+    assert [str(value) for value in table.column("x").to_pylist()] == [
+        row["x"] for row in rows(Path("results/all.csv"))
+    ]
+    assert table.schema.field("frame").type == "int64"
+    assert table.schema.field("video").type == "string"
+
+
+def test_second_run_does_nothing(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    for _ in range(2):
+        assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert [len(pool.done) for pool in pools] == [4, 0]
+    write_ball(clips / "day0" / "ball0.mp4", 3)
+    write_ball(clips / "day0" / "new.mp4", 4)
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert sorted(Path(job.video).name for job in pools[2].done) == ["ball0.mp4", "new.mp4"]
+    assert len(rows(Path("results/videos.csv"))) == 5
+
+
+def test_other_settings_do_all_again(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert matchset("batch", clips, "--out", "results", "--color", color, "--points", 32) == 0
+    assert len(pools[1].done) == 4
+
+
+def test_a_copied_video_is_known_by_its_content(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path
+) -> None:
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    before = Path("results/day0/ball0.mp4/run.json").stat().st_mtime_ns
+    os.utime(clips / "day0/ball0.mp4", ns=(1, 1))
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert [Path(job.video).name for job in pools[1].done] == ["ball0.mp4"]
+    assert Path("results/day0/ball0.mp4/run.json").stat().st_mtime_ns == before
+
+
+def test_manifest_cut_in_half_goes_on(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    manifest = Path("results/manifest.jsonl")
+    whole = manifest.read_bytes()
+    manifest.write_bytes(whole[: len(whole) // 2])
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert pools[1].done == []  # the folders of the results say what became of them
+    assert len(outcomes(Path("results"))) == 4
+    assert len(rows(Path("results/videos.csv"))) == 4
+
+
+def test_broken_line_is_said(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    manifest = Path("results/manifest.jsonl")
+    lines = manifest.read_bytes().splitlines(keepends=True)
+    lines[2] = b"\x00" * 40 + b"\n"
+    manifest.write_bytes(b"".join(lines))
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert "1 lines of the manifest cannot be read" in capsys.readouterr().err
+
+
+def test_foreign_file_is_no_manifest(
+    matchset: Matchset, clips: Path, color: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("results").mkdir()
+    Path("results/manifest.jsonl").write_text("frame,time\n")
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 2
+    assert "is not a manifest of a batch" in capsys.readouterr().err
+
+
+def test_one_that_fails_is_a_row(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    (clips / "day0" / "broken.mp4").write_bytes(b"no video")
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 1
+    broken = next(row for row in rows(Path("results/videos.csv")) if row["state"] == "failed")
+    assert broken["video"] == "day0/broken.mp4"
+    assert "not a video" in broken["reason"]
+    assert "error:" in Path("results/day0/broken.mp4/log.txt").read_text()
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 1
+    assert pools[1].done == []
+    assert matchset("batch", clips, "--out", "results", "--color", color, "--retry") == 1
+    assert [Path(job.video).name for job in pools[2].done] == ["broken.mp4"]
+
+
+def test_full_disk_stops(
+    matchset: Matchset,
+    pools: list[HerePool],
+    clips: Path,
+    color: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def full(_: object) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device", "tracks.csv")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(work, "run_command", full)
+        assert matchset("batch", clips, "--out", "results", "--color", color) == 2
+    assert "no room for the results" in capsys.readouterr().err
+    assert outcomes(Path("results")) == []
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert len(outcomes(Path("results"))) == 4
+
+
+def test_two_batches_into_one_folder(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fcntl = pytest.importorskip("fcntl", reason="locks of files are others here")
+    Path("results").mkdir()
+    with Path("results/.lock").open("w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert matchset("batch", clips, "--out", "results", "--color", color) == 2
+    assert "another batch writes into" in capsys.readouterr().err
+
+
+def test_names_that_are_no_text(matchset: Matchset, pools: list[HerePool], tmp_path: Path, color: Path) -> None:
+    odd = [b"a\nb.mp4", b"100%.mp4", b"\xff\xfe.mp4", "läufer, 2.mp4".encode()]
+    plain = write_ball(tmp_path / "plain.mp4")
+    clips = tmp_path / "odd"
+    clips.mkdir()
+    for name in odd:
+        (clips / os.fsdecode(name)).write_bytes(plain.read_bytes())
+    matchset("batch", clips, "--out", "results", "--color", color)
+    states = {row["video"]: row["state"] for row in rows(Path("results/videos.csv"))}
+    assert set(states) == {"100%25.mp4", "%FF%FE.mp4", "a%0Ab.mp4", "läufer, 2.mp4"}
+    assert {name for name, state in states.items() if state != "found"} <= {"%FF%FE.mp4"}  # OpenCV may not open it
+    assert Path("results/a%0Ab.mp4/tracks.csv").is_file()
+
+
+def test_several_and_locate(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    assert matchset("batch", clips, "--out", "several", "--color", color, "--all") == 0
+    assert "identity" in rows(Path("several/all.csv"))[0]
+    words = "--locate", "--fov", 60, "--diameter", 0.2
+    assert matchset("batch", clips, "--out", "located", "--color", color, *words) == 0
+    assert "z" in rows(Path("located/all.csv"))[0]
+    assert matchset("locate", clips / "day0/ball0.mp4", *words[1:], "--color", color, "--no-video", "-o", "one") == 0
+    assert Path("one/poses.csv").read_bytes() == Path("located/day0/ball0.mp4/poses.csv").read_bytes()
+
+
+def test_color_of_the_folder(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (clips / "day0" / "green.npz").write_bytes(color.read_bytes())
+    assert matchset("batch", clips, "--out", "results", "--color-name", "green.npz") == 1
+    states = {row["video"]: row["state"] for row in rows(Path("results/videos.csv"))}
+    assert states["day0/ball0.mp4"] == "found"
+    assert states["day1/ball1.mp4"] == "failed"
+    assert "there is no green.npz" in Path("results/videos.csv").read_text()
+
+
+def test_clicks(matchset: Matchset, pools: list[HerePool], clips: Path) -> None:
+    table = "video,frame,x,y\n" + "".join(
+        f"{name},0,{x},60\n" for name, x in (("ball0.mp4", 60), ("day1/ball1.mp4", 80))
+    )
+    Path("clicks.csv").write_text(table)
+    assert matchset("batch", clips, "--out", "results", "--clicks", "clicks.csv") == 1
+    found = {row["video"]: row for row in rows(Path("results/videos.csv"))}
+    assert found["day0/ball0.mp4"]["state"] == found["day1/ball1.mp4"]["state"] == "found"
+    assert found["day0/ball2.mp4"]["reason"] == "no click says what to follow in it"
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (("--color", "ball.npz", "--auto"), "give one of --color"),
+        ((), "say what to follow"),
+        (("--color", "missing.npz"), "missing.npz"),
+        (("--clicks", "missing.csv"), "no such file"),
+        (
+            ("--color", "ball.npz", "--jobs", 2, "--scheduler", "tcp://127.0.0.1:1"),
+            "give one of --jobs and --scheduler",
+        ),
+        (("--color", "ball.npz", "--locate", "--shape", "ellipse"), "--shape and --gray are of 'track'"),
+        (("--color", "ball.npz", "--most", 3), "--most is of several targets"),
+    ],
+)
+def test_what_does_not_fit_is_said(
+    matchset: Matchset,
+    clips: Path,
+    color: Path,
+    words: tuple[object, ...],
+    problem: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert matchset("batch", clips, "--out", "results", *words) == 2
+    assert problem in capsys.readouterr().err

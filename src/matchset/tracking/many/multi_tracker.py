@@ -18,10 +18,10 @@ from matchset.tracking.many.linking import Linking
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.observer import Observer
 from matchset.tracking.many.parameters import MultiTrackerParameters
+from matchset.tracking.many.sightings import sighting_of
 from matchset.tracking.many.smoothing.answers import TargetsAt
 from matchset.tracking.many.smoothing.smoother import Known, Smoother
 from matchset.tracking.many.smoothing.sweep import Click, Sweep
-from matchset.tracking.many.sightings import sighting_of
 from matchset.tracking.many.target import Target
 from matchset.tracking.many.tracklet import Followed
 from matchset.tracking.track import Lost, Track

@@ -71,7 +71,7 @@ def test_two_balls_of_two_colors_are_told_apart(tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     crossing(RED)
     names: dict[str, Any] = {}
-    exec(programs("two_balls.md")[1], names)
+    exec(programs("two_balls.md")[2], names)
     for name, x in (("blue", 80 + 6 * (STEPS - 1)), ("red", 240 - 6 * (STEPS - 1))):
         assert names["rows"][-1][name].shape.center == pytest.approx((x, 120), abs=1.0)
 

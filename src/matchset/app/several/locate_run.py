@@ -52,13 +52,8 @@ def run_locate_several(options: LocateOptions) -> int:
         options.silence.open(options.source, options.fps, options.topic, options.view) as video,
     ):
         camera = camera_for(video, options, loaded)
-        command = failed_run(
-            options,
-            "locate",
-            Circle,
-            kept_options(options, KEPT) + kept_options(options.marker, KEPT_MARKER),
-            video.live,
-        )
+        kept = kept_options(options, KEPT) + kept_options(options.marker, KEPT_MARKER)
+        command = failed_run(options, "locate", Circle, kept, video.live)
         chosen, marker_color = _with_markers(video, options, chosen_or_explained(video, options, command))
         parameters = MultiTrackerParameters(points=options.points)
         tracker = MultiTracker(Circle, chosen.colors, chosen.most, parameters, finds=chosen.finds)

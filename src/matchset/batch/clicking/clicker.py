@@ -7,7 +7,7 @@ import msgspec
 from matchset.batch.jobs.job import VideoOutcome
 
 
-class Click(msgspec.Struct, frozen=True):
+class GivenClick(msgspec.Struct, frozen=True):
     """A click in a video.
 
     Parameters
@@ -35,7 +35,7 @@ class Clicker(Protocol):
         """Ask where the ball is."""
         ...
 
-    def clicks(self) -> list[Click]:
+    def clicks(self) -> list[GivenClick]:
         """Return the answers since this was asked last."""
         ...
 
@@ -52,7 +52,7 @@ class NoClicker:
     def ask(self, outcome: VideoOutcome) -> None:
         """See `Clicker`."""
 
-    def clicks(self) -> list[Click]:
+    def clicks(self) -> list[GivenClick]:
         """See `Clicker`."""
         return []
 

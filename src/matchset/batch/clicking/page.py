@@ -16,7 +16,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from matchset.app.target.target_options import parse_pick
-from matchset.batch.clicking.clicker import Click
+from matchset.batch.clicking.clicker import GivenClick
 from matchset.batch.jobs.choice import FRAME
 from matchset.batch.jobs.clicks import HEADING, click_line
 from matchset.batch.jobs.job import VideoOutcome
@@ -66,7 +66,7 @@ class ClickPage:
         self._store, self._name = store_at(out), name
         self._outcomes = list[VideoOutcome]()
         self._questions = list[Question]()
-        self._clicked: queue.SimpleQueue[Click] = queue.SimpleQueue()
+        self._clicked: queue.SimpleQueue[GivenClick] = queue.SimpleQueue()
         self._lock = threading.Lock()
         import uvicorn
 
@@ -90,9 +90,9 @@ class ClickPage:
             self._outcomes.append(outcome)
             self._questions.append(Question(number, outcome.folder, outcome.reason, guess_of(outcome)))
 
-    def clicks(self) -> list[Click]:
+    def clicks(self) -> list[GivenClick]:
         """See `Clicker`."""
-        found = list[Click]()
+        found = list[GivenClick]()
         with contextlib.suppress(queue.Empty):
             while True:
                 found.append(self._clicked.get_nowait())
@@ -118,7 +118,7 @@ class ClickPage:
             old = self._store.read(self._name) or HEADING.encode()
             line = click_line(outcome.folder, int(frame), x, y)
             self._store.write(self._name, old + line.encode())
-        self._clicked.put(Click(outcome.video, outcome.folder, question.answer))
+        self._clicked.put(GivenClick(outcome.video, outcome.folder, question.answer))
 
     def skip(self, number: int) -> None:
         """Leave a video as it is (ValueError as for `answer`)."""

@@ -1,5 +1,6 @@
 """Several targets of a recorded video that look alike: each keeps its name, forward and backward."""
 
+import csv
 import itertools
 import math
 from collections.abc import Iterator
@@ -11,8 +12,9 @@ import pytest
 import matchset as ms
 from crossing_balls import FRAMES, LATE, RADIUS, places, written
 from live_videos import go, opened, wait
+from matchset.app.track.rows import read_tracks
 from matchset.live.files.file_feed import FileFeed
-from matchset.live.files.messages import Correct
+from matchset.live.files.messages import Correct, Export
 from matchset.live.targets.messages import Drop, FindAll, Pick, Rename
 
 NEAR, TOUCH = 4.0, 2.2 * RADIUS  # px
@@ -148,3 +150,17 @@ def test_a_name_that_is_none_is_refused(feed: FileFeed, notes: list[str], name: 
     feed.ask(Rename(7, "gone"))
     wait(lambda: notes[-1] == "there is no target 7 any more")
     assert [each.name for each in feed.tracking.targets.values()] == ["circle 1", "circle 2"]
+
+
+def test_tables_of_several_say_whose_each_row_is(feed: FileFeed) -> None:
+    click(feed, 0, 0)
+    click(feed, 0, 1)
+    feed.ask(Rename(2, "left hand"))
+    wait(lambda: feed.tracking.targets[2].name == "left hand")
+    feed.panel.take(Export(2, "tables"), "")
+    wait(lambda: feed.exports.written and feed.exports.working is None)
+    with feed.panel.downloads()["tracks-2.csv"].open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["identity"], row["label"]) for row in rows] == [("2", "left hand")] * FRAMES
+    assert "1" in {row["alternatives"] for row in rows}  # while they came out of each other
+    assert [row.frame for row in read_tracks(feed.panel.downloads()["tracks-2.csv"])] == list(range(FRAMES))

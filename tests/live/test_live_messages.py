@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.live.known_messages import READER
-from matchset.live.targets.messages import Drop, Pick
+from matchset.live.targets.messages import Drop, FindAll, Pick, Rename
 from matchset.live.wire.messages import Ack
 
 
@@ -13,6 +13,8 @@ def test_messages_are_read() -> None:
     assert READER.read('{"type": "ack", "sequence": 3}') == Ack(3)
     assert READER.read('{"type": "pick", "sequence": 3, "x": 4.5, "y": 6}') == Pick(3, 4.5, 6.0)
     assert READER.read('{"type": "drop", "target": 2}') == Drop(2)
+    assert READER.read('{"type": "rename", "target": 2, "name": "left"}') == Rename(2, "left")
+    assert READER.read('{"type": "find_all", "target": 2}') == FindAll(2, True)
 
 
 @pytest.mark.parametrize(
@@ -29,6 +31,10 @@ def test_messages_are_read() -> None:
         '{"type": "diameter", "target": 1, "meters": 1e9}',
         '{"type": "diameter", "target": 1, "meters": "abc"}',
         '{"type": "drop", "target": 1, "more": 1}',
+        '{"type": "rename", "target": 1, "name": ""}',
+        '{"type": "rename", "target": 1, "name": "' + "x" * 61 + '"}',
+        '{"type": "find_all", "target": -1}',
+        '{"type": "find_all", "target": 1, "on": "yes"}',
         "[" * 3000,
         '{"type": "ack", "sequence": 1, "pad": "' + "x" * 5000 + '"}',
     ],

@@ -1,6 +1,7 @@
 """A recording holds every picture with what was found in it, ends whole on a full disk, and makes no loop wait."""
 
 import contextlib
+import csv
 import json
 import resource
 import shutil
@@ -23,6 +24,7 @@ from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
 from matchset.camera.camera_model import CameraModel
 from matchset.flight.recording.mcap_file import McapReader
+from matchset.live.feed import StreamPicture
 from matchset.live.known_messages import READER
 from matchset.live.record.panel import RecordPanel
 from matchset.live.record.recorder import PageRecorder, PageRecorderParameters
@@ -77,6 +79,36 @@ def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Record
     made = Recorded(RecordingParameters())
     with made.recorder, made.session:
         yield made
+
+
+def renamed(seen: StreamPicture, number: int, name: str) -> StreamPicture:
+    """The same, with another name for a target."""
+    targets = [
+        msgspec.structs.replace(each, name=name if each.id == number else each.name) for each in seen.state.targets
+    ]
+    return seen._replace(state=msgspec.structs.replace(seen.state, targets=targets))
+
+
+def test_names_of_several_targets_are_in_tables_facts_and_topics(recorded: Recorded) -> None:
+    pytest.importorskip("mcap")
+    recorded.session.take(ON, "")
+    recorded.show(range(2), targets=2)
+    for number in (2, 3):
+        recorded.feed.show(renamed(seen_of(number, targets=2), 2, "right <hand>, \u7403"))
+        recorded.wait(lambda count=number: recorded.panel.state().frames > count)  # type: ignore[misc]
+    recorded.session.take(OFF, "")
+    folder = Path("runs") / recorded.finished().folder
+    with (folder / "tracks_circle_2.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["identity"] for row in rows] == ["2"] * 4
+    assert [row["label"] for row in rows] == ["circle 2"] * 2 + ["right <hand>, \u7403"] * 2
+    with (folder / "poses_circle_2.csv").open(newline="", encoding="utf-8") as file:
+        assert [row["label"] for row in csv.DictReader(file)][-1] == "right <hand>, \u7403"
+    assert len(read_tracks(folder / "tracks_circle_2.csv")) == len(read_poses(folder / "poses_circle_2.csv")) == 4
+    facts = json.loads((folder / "recording.json").read_text())
+    assert [target["name"] for target in facts["streams"][0]["targets"]] == ["circle 1", "right <hand>, \u7403"]
+    topics = {message.topic for message in McapReader(folder / "recording.mcap")}
+    assert {"/camera_1/circle_1/pose", "/camera_1/circle_2/pose"} <= topics
 
 
 def test_every_picture_is_in_every_file(recorded: Recorded) -> None:

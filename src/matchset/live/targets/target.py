@@ -98,7 +98,6 @@ class ClickedTarget:
         self.ball: BallTarget | None = None
         self.answer: Track[Any] | Lost[Any] | None = None
         self.tracker: Tracker[Any] = Tracker(family, color, start=self.begun)
-        given = given or _clicked_among_others(begin, frame, color)
         if given is not None:
             self.tracker.start(given)
         self.family, self.color = family, color
@@ -227,15 +226,6 @@ class ClickedTarget:
     def _lost(self, answer: Lost[Any]) -> TargetState:
         since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)
         return lost_state(self._about, answer.reason, since, answer.predicted)
-
-
-def _clicked_among_others(begin: Begin, frame: Frame, color: ColorModel) -> Circle | None:
-    """Return the circle that a click means where a search finds another one like it first, as among many."""
-    if isinstance(begin, Outline) or begin.shape != "circle" or color.circle is None:
-        return None
-    answer = Tracker(Circle, color, start=(begin.x, begin.y)).update(frame)
-    is_another = isinstance(answer, Track) and is_beside(begin, answer, 0.0)
-    return Circle(*color.circle) if is_another else None
 
 
 def catch_up(target: ClickedTarget, frames: list[Frame]) -> None:

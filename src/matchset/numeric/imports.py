@@ -7,9 +7,9 @@ from importlib import import_module
 # format: packages of each extra, as pyproject.toml names them; tests/numeric/test_imports.py compares
 EXTRAS = {
     "av": "av>=15",
-    "frc": "pyntcore>=2026.1",
+    "frc": "pyntcore>=2026.2",
     "gym": "gymnasium>=1.0",
-    "net": "eclipse-zenoh>=1.5",
+    "net": "eclipse-zenoh>=1.5.1",
     "record": "mcap>=1.6",
     "ros": "rosbags>=0.11 mcap>=1.6",
     "serial": "pyserial>=3.5",

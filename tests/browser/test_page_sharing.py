@@ -8,6 +8,7 @@ import pytest
 
 import matchset as ms
 from live_pages import WAIT
+from matchset.sharing.sent_targets import Shareable
 from sharing_poses import LEVEL
 from sharing_processes import until
 
@@ -21,9 +22,10 @@ def test_partners_are_a_table(serve: Any, page: Any, clip: Any, tmp_path: Any) -
     panel.get_by_text("nobody else is here yet").wait_for(timeout=WAIT)
     assert panel.locator("h2").inner_text() == f"Shared as page ({key})"
     with ms.Share("left", key=key) as share:
+        found: dict[str, Shareable] = {"ball": LEVEL, "net": ms.Lost("hidden", 0.0)}
 
         def seen() -> bool:
-            share.publish({"ball": LEVEL, "net": ms.Lost("hidden", 0.0)}, time.monotonic() - 0.05)
+            share.publish(found, time.monotonic() - 0.05)
             page.wait_for_timeout(20)
             return panel.locator("tr").count() == 2 and "1.900" in panel.inner_text()
 

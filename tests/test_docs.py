@@ -30,6 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # tests/shapes/families.py, tests/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py
 # tests/links/mavlink/test_mavlink_docs.py, tests/links/tello/test_tello_docs.py
 CHECKED_ELSEWHERE = {"add_a_shape.md", "crsf.md", "live.md", "mavlink.md", "radio.md", "tello.md"}
+CHECKED_ELSEWHERE |= {"sharing.md"}  # tests/sharing/test_sharing_docs.py
 CHECKED_ELSEWHERE |= {"pandas.md", "ros2.md", "two_balls.md", "webcam.md"}  # tests/test_docs_tasks.py
 BLOCKS = re.compile(r"```python\n(.*?)```", re.DOTALL)
 FOLDERS = (".", "docs", "docs/decisions")

@@ -19,6 +19,7 @@ GUIDES = (
     "getting_started",
     "cli",
     "live",
+    "sharing",
     "camera",
     "localization",
     "add_a_shape",

@@ -12,6 +12,7 @@ from live_feeds import MadeUpFeed, seen_of, shown
 from matchset.live.session import Session
 from matchset.live.sharing.shared_page import shared_page
 from matchset.live.sharing.state import SharingState
+from matchset.sharing.sent_targets import Shareable
 from sharing_poses import LEVEL
 from sharing_processes import until
 
@@ -66,10 +67,11 @@ def test_a_picture_that_was_shared_is_not_shared_again(page: tuple[Session, Made
 
 def test_partners_are_on_the_page_with_age_and_clock(page: tuple[Session, MadeUpFeed], key: str) -> None:
     session, _ = page
+    found: dict[str, Shareable] = {"ball": LEVEL, "gone": ms.Lost("hidden", 0.0)}
     with ms.Share("other", key=key) as other:
 
         def seen() -> bool:
-            other.publish({"ball": LEVEL, "gone": ms.Lost("hidden", 0.0)}, 10.0, 10.1)
+            other.publish(found, 10.0, 10.1)
             partners = state_of(session).partners
             return bool(partners and partners[0].targets and partners[0].targets[0].position)
 

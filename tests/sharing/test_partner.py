@@ -98,6 +98,16 @@ def test_the_partners_own_measurement_counts_where_there_is_none() -> None:
     assert other.offset.at(10.02) is None
 
 
+def test_the_own_measurement_counts_where_it_is_the_better_one() -> None:
+    made = synchronized()
+    for number in range(1, 40):
+        told = OffsetMessage(partner="me", run=1, offset=0.0, uncertainty=0.5)
+        made.take(message(number, 10.0, offsets=[told]), 10.04)
+    known = made.offset.at(10.04)
+    assert known is not None
+    assert known.uncertainty < 0.002
+
+
 @given(st.permutations(range(8)))
 def test_of_messages_in_any_order_the_newest_counts(order: list[int]) -> None:
     made, newest = partner(), -1

@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 import matchset as ms
+from matchset.sharing.messages import MOST_TARGETS
 from sharing_poses import LEVEL
 from sharing_processes import HOUR_OFF, NEWER, Heard, begun, until
 
@@ -151,6 +152,28 @@ def test_foreign_bytes_under_the_key_are_refused_once(share: ms.Share, key: str,
         partner("left", key)
         until(lambda: any(share.others()))
     assert heard.count("printer") == 1
+
+
+def test_another_computer_of_the_same_name_is_told_once(share: ms.Share, key: str, partner: Begin) -> None:
+    heard = Heard(share)
+    partner("me", key)
+    until(lambda: heard.has("me: another computer shares under this name, too"))
+    partner("left", key)
+    until(lambda: any(share.others()))
+    assert heard.count("another computer") == 1
+
+
+def test_of_too_many_partners_the_rest_is_left_out_and_told_once(share: ms.Share, key: str) -> None:
+    from matchset.sharing.connection import Connection, zenoh_settings
+
+    heard = Heard(share)
+    with Connection(zenoh_settings("loopback", (), ())) as connection:
+        for number in range(MOST_TARGETS + 8):
+            connection.appear(f"{key}/alive/partner{number}")
+        until(lambda: heard.has("left out, 64 partners are heard at most"))
+        assert len(share.partners()) == MOST_TARGETS
+    until(lambda: not any(each.here for each in share.partners()))
+    assert heard.count("left out") == 1
 
 
 def test_those_with_another_key_are_not_seen(share: ms.Share, key: str, partner: Begin) -> None:

@@ -8,9 +8,9 @@ from importlib import import_module
 EXTRAS = {
     "av": "av>=15",
     "batch": "distributed>=2025.1",
-    "frc": "pyntcore>=2026.1",
+    "frc": "pyntcore>=2026.2",
     "gym": "gymnasium>=1.0",
-    "net": "eclipse-zenoh>=1.5",
+    "net": "eclipse-zenoh>=1.5.1",
     "record": "mcap>=1.6",
     "rerun": "rerun-sdk>=0.41",
     "ros": "rosbags>=0.11 mcap>=1.6",

@@ -115,7 +115,8 @@ class Partner:
             lines.append(f"{self.name}: back after {now - self._last:.1f} s")
         self._last, self._silent = now, False
         for each in message.offsets:
-            if (each.partner, each.run) == self._own:
+            known = self.offset.at(now)
+            if (each.partner, each.run) == self._own and (known is None or each.uncertainty < known.uncertainty):
                 self.offset.add_offset(Offset(-each.offset, each.uncertainty), now)
         return lines
 

@@ -77,7 +77,7 @@ class Share(NotCopied, Closing):
         A configuration file of Zenoh, or names and values of its settings: user and password, certificates.
     ros_domain : int or None
         Given, all is sent as messages of ROS 2, too, in this ROS_DOMAIN_ID: see `RosSender`. Without an endpoint to
-        connect to, that is the router of rmw_zenoh on this computer.
+        connect to, or a configuration file, that is the router of rmw_zenoh on this computer.
     parameters : ShareParameters, optional
 
     Raises
@@ -107,8 +107,8 @@ class Share(NotCopied, Closing):
         self._wake, self._arrived = threading.Event(), threading.Event()
         self._partners: dict[str, Partner] = {}
         self._lines: deque[str] = deque(maxlen=MOST_LINES)
-        self._number, self._failed = 0, False
-        if ros_domain is not None and not connect:
+        self._number, self._failed, self._said = 0, False, set[str]()
+        if ros_domain is not None and not connect and not isinstance(config, str | Path):
             connect = [ROUTER]
         self.connection = _opened(discovery, listen, connect, config)
         try:
@@ -227,6 +227,10 @@ class Share(NotCopied, Closing):
         """Take what came under a key; called by a thread of the network."""
         now, name = monotonic(), key.rpartition("/")[2]
         with self._lock:
+            if name == self.name:
+                self._say_once(
+                    "name", f"{name}: another computer shares under this name, too: nobody can tell the two apart"
+                )
             partner = self._partner(name)
             if partner is None:
                 return
@@ -260,6 +264,7 @@ class Share(NotCopied, Closing):
             if len(self._partners) >= MOST_TARGETS:
                 gone = [each for each, partner in self._partners.items() if not partner.here]
                 if not gone:
+                    self._say_once("many", f"{name}: left out, {MOST_TARGETS} partners are heard at most")
                     return None
                 del self._partners[gone[0]]
             clock, silence = self.parameters.clock, self.parameters.partner
@@ -268,6 +273,12 @@ class Share(NotCopied, Closing):
 
     def _say(self, lines: list[str]) -> None:
         self._lines.extend(lines)
+
+    def _say_once(self, kind: str, line: str) -> None:
+        """Say a line unless one of this kind was said before."""
+        if kind not in self._said:
+            self._said.add(kind)
+            self._say([line])
 
     def _offsets(self, now: float) -> list[OffsetMessage]:
         """How the clocks of all partners stand, for those who could not measure it."""
@@ -356,9 +367,8 @@ def _opened(
         raise ValueError(f"discovery is {', '.join(DISCOVERIES)}, got {discovery!r}")
     for each in (listen, connect):
         check_kind("endpoints", each, (list, tuple), "a list of them")
-    if isinstance(config, str | Path) and discovery is None and not (listen or connect):
-        return Connection({}, Path(config))
-    settings = zenoh_settings(discovery or "loopback", listen, connect)
     if isinstance(config, str | Path):
-        return Connection(settings, Path(config))
-    return Connection(settings | dict(config or {}))
+        endpoints = {"listen/endpoints": list(listen), "connect/endpoints": list(connect)}
+        named = {name: each for name, each in endpoints.items() if each}
+        return Connection(named if discovery is None else zenoh_settings(discovery, listen, connect), Path(config))
+    return Connection(zenoh_settings(discovery or "loopback", listen, connect) | dict(config or {}))

@@ -72,10 +72,7 @@ def run_flight(
                 break
             if pacer is not None:
                 pacer.wait()
-        summary = shared.summary
     _print_end(outputs, options.files, pacer)
-    for line in summary:
-        print(f"shared with {line}")
     for line in flight.debriefing():
         print(line)
     if flight.fault:

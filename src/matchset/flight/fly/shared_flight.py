@@ -1,7 +1,6 @@
 """A flight that tells others what its followers see: `SharedFlight`. Nobody flies by what they tell: docs/safety.md."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from matchset.flight.chain.chain_step import ChainStep
@@ -42,14 +41,9 @@ class SharedFlight(Closing):
         for line in self._share.news():
             self._say(f"shared with {line}")
 
-    @property
-    def summary(self) -> list[str]:
-        """What came from each partner, a line each."""
-        if self._share is None:
-            return []
-        return [each.summary for each in self._share.partners()]
-
     def close(self) -> None:
-        """Share nothing more."""
-        with self._share or nullcontext():
-            pass
+        """Say what came from each partner, and share nothing more."""
+        if self._share is not None:
+            for each in self._share.partners():
+                self._say(f"shared with {each.summary}")
+            self._share.close()

@@ -46,12 +46,12 @@ const flight = new FlightPanel(find("flight"), send);
 // Panels of the page by their names: each has `update(state)`, and is hidden while the server has none of its name.
 const panels = {
   flight,
+  sharing: new SharingPanel(find("sharing")),
   compiling: new CompilingPanel(find("compiling")),
   sources: new Menu(send),
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   settings: new SettingsPanel(find("settings"), send),
   record: new RecordPanel(find("record"), send),
-  sharing: new SharingPanel(find("sharing")),
   file: new FilePanel(find("file"), find("file-results"), find("file-curves"), send, () => targets.chosen, askPoint, (id) => targets.choose(id)),
 };
 

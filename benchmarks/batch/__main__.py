@@ -27,7 +27,7 @@ from benchmarks.workers import one_thread
 
 SECTIONS = "speed", "overhead", "tasks", "split", "killed"
 PAGE = Path(__file__).resolve().parents[1] / "BATCH.md"
-CLUSTERS = 2, 16, 64
+EMPTY, CLUSTERS = 400, (2, 8, 32)  # tasks that do nothing, and workers of Dask
 
 
 def main(
@@ -57,7 +57,7 @@ def main(
         elif section == "overhead":
             kept.overhead = measure_overhead(short_videos(cache, 2), out / section, rounds)
         elif section == "tasks":
-            kept.tasks = measure_tasks(short_videos(cache), out / section, 1000, CLUSTERS)
+            kept.tasks = measure_tasks(short_videos(cache), out / section, EMPTY, CLUSTERS)
         elif section == "split":
             long, few = long_video(cache, minutes), short_videos(cache)
             kept.split = measure_split(long, few, out / section, minutes, stretch)

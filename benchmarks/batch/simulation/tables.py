@@ -96,7 +96,7 @@ def simulation_part(basis: Basis, predicted: Predicted | None) -> str:
     """Write all of it."""
     parts = [
         "## Simulated",
-        "A model of our own (`benchmarks/batch/simulation/simulate.py`, a queue of events in `heapq`, no SimPy): workers "
+        "A model of our own (`benchmarks/batch/simulation/simulate.py`, events in `heapq`, no SimPy): workers "
         "ask one scheduler for tasks, read from one store in equal parts, compute, write.",
     ]
     if predicted is not None:

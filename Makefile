@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights hypotheses evidence bench-radio \
-    bench-real bench-crowds toolchain soak wheel-check release-check first-picture as-typed link-peers viewers clean
+    bench-real bench-crowds bench-batch toolchain soak wheel-check release-check first-picture as-typed link-peers viewers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
@@ -69,6 +69,9 @@ bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 
 bench-crowds: $(CROWDS)  ## who keeps which name in a crowd of equal balls, beside norfair, ByteTrack, OC-SORT and SORT (two hours; stop it, it goes on)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.crowds $(or $(ARGS),--bars -o benchmarks/CROWDS.md)
+
+bench-batch: $(READY)  ## one and two workers of matchset batch, killed ones, many simulated (half an hour and 3 GB; ARGS="FOLDER --only speed")
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.batch $(or $(ARGS),.bench/batch -o benchmarks/BATCH.md)
 
 weights: $(PYTORCH)  ## make weights of the network of discs from nothing, with PyTorch (half an hour; ARGS="FOLDER of photographs")
 	$(ONE_THREAD) $(BIN)/python -m training $(or $(ARGS),../photographs)

@@ -22,6 +22,7 @@ import pytest
 import yaml
 
 import bags
+import batched_videos
 import matchset as ms
 from matchset import cli
 from matchset.app.films.clip_export import write_clip
@@ -38,6 +39,8 @@ TYPED = re.compile(r"^    (?:\$ )?((?:matchset|python|pip|make|git|cd|head|cut) 
 
 HARDWARE, NETWORK, LONG = "needs a device", "needs the network, or changes what is installed", "takes minutes to hours"
 ENDLESS = "runs until Ctrl-C; tests/live/test_live_command.py"
+ENDLESS_PAGE = "waits for clicks; tests/batch"
+SCHEDULER = "needs a scheduler; tests/batch/test_batch_docs.py"
 EXAMPLE = "tests/test_examples.py"
 NOT_RUN = {
     r"matchset (learn|track|calibrate|locate) (0\b|http:|rtsp:)": HARDWARE,
@@ -46,6 +49,8 @@ NOT_RUN = {
     r"matchset preflight ": HARDWARE,
     r"matchset identify serial:": HARDWARE,
     r"matchset live\b": ENDLESS,
+    r"matchset batch .*--page": ENDLESS_PAGE,
+    r"matchset batch .*--scheduler": SCHEDULER,
     r"cd firmware/|make (flash|isp) ": HARDWARE,
     r"pip install|git clone|cd matchset$": NETWORK,
     r"make (demo|bench|soak|mutants)": LONG,
@@ -152,11 +157,20 @@ def held_ball(folder: Path) -> None:
     ms.ColorModel.pick(frames[0], 120, 119).save(folder / "ball.npz")
 
 
+def many_videos(folder: Path) -> None:
+    clips = batched_videos.write_balls(folder / "clips", 2)
+    batched_videos.write_color(folder / "ball.npz")
+    (folder / "list.txt").write_text("clips/day0/ball0.mp4\n")
+    names = sorted(path.name for path in clips.rglob("*.mp4"))
+    (folder / "clicks.csv").write_text("video,frame,x,y\n" + "".join(f"{name},0,60,60\n" for name in names))
+
+
 def nothing(folder: Path) -> None:
     pass
 
 
 PREPARED: dict[str, Callable[[Path], None]] = {
+    "batch.md": many_videos,
     "camera.md": held_ball,
     "cli.md": sign_and_bag,
     "flight.md": nothing,
@@ -209,6 +223,7 @@ class Shell:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
         monkeypatch.setattr(choice, "PARAMETERS", choice.BallChoiceParameters(samples=2, looked_at=4, tried=1))
         monkeypatch.setattr(choice, "find_candidates", lambda image: searched(len(image), image.tobytes()))
+        monkeypatch.setattr("matchset.batch.run.Processes", batched_videos.HerePool)
         self._monkeypatch, self._capfd = monkeypatch, capfd
 
     def run(self, line: str) -> tuple[int, str]:

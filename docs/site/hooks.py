@@ -33,6 +33,7 @@ GUIDES = (
     "mavlink",
     "tello",
     "clips",
+    "batch",
     "simulation",
 )
 INSIDE = ("ARCHITECTURE.md", "docs/glossary.md", "docs/finding_your_way.md", "CONTRIBUTING.md", "CHANGELOG.md")

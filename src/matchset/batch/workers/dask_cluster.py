@@ -72,7 +72,7 @@ class DaskCluster:
         client_of: Any = distributed.Client
         try:
             self._client: Any = client_of(address, timeout=PARAMETERS.connect, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
+        except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: tls without certificates
             raise LinkError(f"no scheduler of Dask answers at {address}: {' '.join(str(error).split())}") from None
         has_page = "dashboard" in self._client.scheduler_info()["services"]
         self.address, self.dashboard = address, str(self._client.dashboard_link) if has_page else ""

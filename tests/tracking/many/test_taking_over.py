@@ -32,7 +32,9 @@ def picked(places: Places) -> ms.ColorModel:
 
 def found(targets: Targets) -> dict[int, tuple[float, float]]:
     """Centers of what is seen, by identity."""
-    return {each.identity: (each.track.shape.x, each.track.shape.y) for each in targets if each.track}
+    return {
+        each.identity: (each.track.shape.x, each.track.shape.y) for each in targets if isinstance(each.track, ms.Track)
+    }
 
 
 def tracks(places: Places) -> list["ms.Track[ms.Circle]"]:

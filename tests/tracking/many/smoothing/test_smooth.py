@@ -60,7 +60,7 @@ def test_pictures_are_a_file_too(balls: Path) -> None:
         tracker = ms.MultiTracker(ms.Circle, blue(), fps=video.fps)
         of_file = tracker.smooth(video)
         of_frames = tracker.smooth(list(video))
-    images = [cv2.imread(str(path)) for path in sorted(balls.iterdir())]
+    images = [frame.image for frame in ms.Video(balls)]
     for other in (of_frames, tracker.smooth(images), copy.copy(tracker).smooth(images)):
         assert [each.time for each in other] == pytest.approx([each.time for each in of_file])
         for identity in (0, 1):

@@ -36,7 +36,7 @@ class Click(NamedTuple):
 class SeveralFollower(Protocol):
     """What follows several targets from frame to frame."""
 
-    def add(self, what: tuple[float, float] | Shape, label: str | None = None) -> None:
+    def add(self, what: tuple[float, float] | Shape, label: str | None = None) -> int:
         """Follow what is at a point, or a shape, from the next frame on."""
         ...
 

@@ -122,6 +122,8 @@ def test_all_like_one_are_found_and_their_lives_are_marked(opened: Any) -> None:
     opened.locator("#targets li .all").click()
     wait_until(opened, lambda: len(rows(opened)) == 3)
     wait_until(opened, "document.querySelector('#targets .chosen .all').getAttribute('aria-pressed') === 'true'")
+    (clicked,) = opened.locator("#targets .chosen .words").all_inner_texts()
+    assert clicked == rows(opened)[0]  # what is found so does not take its place
     ids = [each["id"] for each in state_of(opened)["targets"]]
     births = [[each, "born"] for each in ids]
     wait_until(opened, lambda: [mark[:2] for mark in opened.evaluate(MARKS, "#curves")] == births)

@@ -32,9 +32,8 @@ def picked(places: Places) -> ms.ColorModel:
 
 def found(targets: Targets) -> dict[int, tuple[float, float]]:
     """Centers of what is seen, by identity."""
-    return {
-        each.identity: (each.track.shape.x, each.track.shape.y) for each in targets if isinstance(each.track, ms.Track)
-    }
+    seen = [(each.identity, each.track.shape) for each in targets if isinstance(each.track, ms.Track)]
+    return {identity: (shape.x, shape.y) for identity, shape in seen}
 
 
 def tracks(places: Places) -> list["ms.Track[ms.Circle]"]:

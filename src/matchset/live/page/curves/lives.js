@@ -6,7 +6,7 @@ import { SECONDS } from "./samples.js";
 const SVG = "http://www.w3.org/2000/svg";
 const HIGH = 16; // CSS px, of a line
 const ASIDE = 12; // CSS px, of a name from where its line begins
-const LETTER = 7; // CSS px, about
+const LETTER = 6.6; // CSS px, about
 const MARK = 6; // CSS px, that a mark stays inside of the ends
 const GAP = 0.5; // s without a picture, after which a stretch begins anew
 const EVERY = 200; // ms between two drawings
@@ -49,7 +49,8 @@ export class LifeLines {
       mark.append(made("title", {}, `${name}: ${said}`));
       group.append(mark);
     }
-    group.append(nameAt(shortened(name), x(runs[0]?.from ?? 0), middle, width));
+    const begin = Math.min(...runs.map((run) => run.from), ...marks.map((mark) => mark.at), 1);
+    group.append(...nameAt(shortened(name), Math.max(x(begin), MARK), middle, width));
     group.addEventListener("click", (event) => {
       this.choose(id);
       this.go(Math.min(Math.max((event.clientX - this.root.getBoundingClientRect().left) / width, 0), 1));
@@ -130,7 +131,11 @@ export function lifeOfVideo({ id, name, line, first, last, known }, end) {
 // On its line, where that begins; before it where there is no room.
 function nameAt(name, begin, middle, width) {
   const fits = begin + ASIDE + LETTER * name.length < width;
-  return made("text", { x: fits ? begin + ASIDE : begin - ASIDE, y: middle, "text-anchor": fits ? "start" : "end", class: "of" }, name);
+  const [at, wide] = [fits ? begin + ASIDE : begin - ASIDE, LETTER * name.length];
+  return [
+    made("rect", { x: fits ? at - 3 : at - wide, y: middle - HIGH / 2, width: wide, height: HIGH, class: "behind" }),
+    made("text", { x: at, y: middle, "text-anchor": fits ? "start" : "end", class: "of" }, name),
+  ];
 }
 
 const shortened = (name) => (name.length > 24 ? `${name.slice(0, 23)}…` : name);

@@ -34,7 +34,7 @@ export class TargetList {
       const row = this.makeRow(target);
       this.rows.set(target.id, row);
       this.root.append(row);
-      chosen = target.id;
+      if (!target.finds) chosen = target.id; // what a person clicked; not what was found since it looks like that
     }
     if (chosen === null && targets.length) chosen = targets[targets.length - 1].id;
     if (chosen !== this.chosen || !this.rows.get(chosen)?.classList.contains("chosen")) this.choose(chosen);

@@ -38,7 +38,7 @@ class JoiningParameters(msgspec.Struct, frozen=True, kw_only=True):
 
     distance: float = 0.6
     log_size: float = 0.35
-    apart: float = 2.0
+    apart: float = 1.0
     least: int = 5
 
 

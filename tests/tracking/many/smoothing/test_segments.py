@@ -73,15 +73,16 @@ def test_an_exchange_in_one_reading_parts_both_targets() -> None:
     ]
 
 
-def test_of_two_sightings_in_a_frame_the_one_that_both_have_is_kept() -> None:
-    far = 300.0, 60.0
-    forward = [[owned(left(k), k, 0)] for k in range(9)]
-    backward = [[owned(left(k) if k != 4 else far, k, 0)] for k in range(9)]
-    (segment,) = joined(forward, backward)
-    assert len(segment.seen) == 9
-    both = forward[4][0], backward[4][0]
-    assert segment.seen[4].sighting in [each.sighting for each in both]
-    assert segment.seen[3].owners == (0, 0)
+def test_of_two_fits_of_one_target_that_with_more_support_is_kept_and_a_far_one_is_another() -> None:
+    """One reading has a bad fit, or is somewhere else, in a frame."""
+    x, y = left(12)
+    for beside in (0.8 * RADIUS, 5.0 * RADIUS):
+        forward = [[owned(left(k), k, 0)] for k in range(25)]
+        backward = [[owned(left(k) if k != 12 else (x, y + beside), k, 0, support=0.5)] for k in range(25)]
+        parts = joined(forward, backward)
+        assert len(parts) == (1 if beside < RADIUS else 4)
+        (chain,) = chained(parts, 25)
+        assert [each.sighting.place[:2] for each in chain] == [left(k) for k in range(25)]
 
 
 def test_motion_undoes_an_exchange_of_two_that_cross() -> None:

@@ -100,12 +100,15 @@ class Chaining:
         context : int
             Sightings around a gap by which what may fill it is judged.
         """
-        long_ones = [each for each in segments if len(each.seen) >= self._limits.least]
-        short = [each for each in segments if len(each.seen) < self._limits.least]
-        found = [_Chain(single_frames(seen)) for seen in self._linked(long_ones)]
-        rest = self._fill(found, short, context)
-        found += [_Chain(each.seen) for each in rest if len(each.seen) > 1 and NOBODY not in _owners(each)]
+        found = [
+            _Chain(single_frames(seen)) for seen in self._linked([each for each in segments if self._is_long(each)])
+        ]
+        rest = self._fill(found, [each for each in segments if not self._is_long(each)], context)
+        found += [_Chain(each.seen) for each in rest if len(each.seen) > 1 and _is_of_both(each)]
         return [each.seen for each in found]
+
+    def _is_long(self, segment: Segment) -> bool:
+        return len(segment.seen) >= self._limits.least
 
     def _linked(self, segments: Sequence[Segment]) -> list[list[Seen]]:
         """Link segments so that the sum of the log-odds of all links is as large as it can be."""
@@ -219,5 +222,6 @@ def _distance(chain: _Chain, segment: Segment) -> float:
     return min((one.seen[0].sighting.place.distance(other.sighting.place) for one, other in pairs), default=math.inf)
 
 
-def _owners(segment: Segment) -> list[int]:
-    return [segment.owner(side, True) for side in (0, 1)]
+def _is_of_both(segment: Segment) -> bool:
+    """Whether both readings have seen something of a segment."""
+    return NOBODY not in (segment.owner(0, True), segment.owner(1, True))

@@ -1,5 +1,6 @@
 """What two readings of a video saw, joined: `segments`, stretches in which they agree who is followed."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.smoothing.sweep import OwnedSighting
+from matchset.tracking.motion import Gate
 
 NOBODY = -1  # format: owner, and tracklet, of what a reading did not see
 
@@ -27,12 +29,16 @@ class JoiningParameters(msgspec.Struct, frozen=True, kw_only=True):
     distance, log_size : float
         Outlines of the two readings are the same if they are nearer than this, in half-widths of the larger, and their
         sizes differ by less, as a logarithm.
+    apart : float
+        What one reading alone has seen is not what the other one sees of the same target in that frame if it is farther
+        away than this, in half-widths of the larger; nearer, one of them is a bad fit.
     least : int
         Sightings from which something that one reading saw where a target was hidden may be that target.
     """
 
     distance: float = 0.6
     log_size: float = 0.35
+    apart: float = 1.0
     least: int = 5
 
 
@@ -107,7 +113,7 @@ def segments(
         for frame, (ahead, back) in enumerate(zip(forward, backward, strict=True))
         for each in _of_frame(frame, _one_each(ahead), _one_each(back), limits)
     ]
-    same = np.array([pair for side in (0, 1) for pair in _same(seen, side)], int).reshape(-1, 2)
+    same = np.array([pair for side in (0, 1) for pair in _same(seen, side, limits.apart)], int).reshape(-1, 2)
     graph = coo_array((np.ones(len(same), bool), (same[:, 0], same[:, 1])), shape=(len(seen), len(seen)))
     count, numbers = connected_components(graph, directed=False)
     groups: list[list[Seen]] = [[] for _ in range(count)]
@@ -161,20 +167,33 @@ def _apart(one: Sighting, other: Sighting, limits: JoiningParameters) -> float:
     return min(max(far, abs(math.log(a.half_width / b.half_width)) / limits.log_size), 2.0)
 
 
-def _same(seen: Sequence[Seen], side: int) -> list[tuple[int, int]]:
+def _same(seen: Sequence[Seen], side: int, apart: float) -> list[tuple[int, int]]:
     """Pairs of consecutive sightings of a target of one reading, of which the other one says nothing else."""
     chains: dict[int, list[int]] = {}
     for number, each in enumerate(seen):
         if each.owners[side] != NOBODY:
             chains.setdefault(each.owners[side], []).append(number)
+    there = {(each.frame, each.owners[1 - side]): each.sighting.place for each in seen}
     pairs = list[tuple[int, int]]()
     for chain in chains.values():
         others = [seen[number].owners[1 - side] for number in chain]
         before, after = _filled(others), _filled(others[::-1])[::-1]
-        for k in range(len(chain) - 1):
-            if others[k] == others[k + 1] or NOBODY in (before[k], after[k + 1]) or before[k] == after[k + 1]:
-                pairs.append((chain[k], chain[k + 1]))
+        elsewhere = [
+            other == NOBODY
+            and any(_is_far(seen[number], there.get((seen[number].frame, name)), apart) for name in names)
+            for number, other, *names in zip(chain, others, before, after, strict=True)
+        ]
+        for k, pair in enumerate(itertools.pairwise(chain)):
+            agreed = NOBODY in (before[k], after[k + 1]) or before[k] == after[k + 1]
+            if (others[k] == others[k + 1] or agreed) and elsewhere[k] == elsewhere[k + 1]:
+                pairs.append(pair)
     return pairs
+
+
+def _is_far(seen: Seen, place: Gate | None, apart: float) -> bool:
+    """Whether a target that the other reading has at a place, if it has, is not what is seen."""
+    mine = seen.sighting.place
+    return place is not None and mine.distance(place) > apart * max(mine.half_width, place.half_width)
 
 
 def _filled(owners: Sequence[int]) -> list[int]:

@@ -137,7 +137,7 @@ class MotionOdds:
 
     def is_near(self, before: Seen, after: Seen) -> bool:
         """Whether something could be at one place and then at another one."""
-        passed = self._times[after.frame] - self._times[before.frame]
+        passed = abs(self._times[after.frame] - self._times[before.frame])
         one, other = before.sighting.place, after.sighting.place
         reach = self._limits.near + self._limits.speed * passed
         return one.distance(other) < reach * max(one.half_width, other.half_width)

@@ -62,7 +62,6 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
         assert struct.unpack("<7d", raw.get()) == tuple(robot_pose(FULL))
         schema = robot.getRawTopic("/.schema/struct:Pose3d").subscribe("structschema", b"")
         until(lambda: schema.get() == b"Translation3d translation;Rotation3d rotation")
-        assert -0.05 < (pose.getAtomic().time - before) / 1e6 + 0.25 < 30.0
         assert pose.getAtomic().time < before - 0.2e6
         tables.publish({"ball": ms.Lost("hidden", 0.0)}, 11.0, 11.25)
         until(lambda: not seen.get())

@@ -47,7 +47,7 @@ def test_every_extra_that_code_advises_exists_and_every_extra_has_code() -> None
     extras = PROJECT["optional-dependencies"]
     text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.py"))
     assert set(re.findall(r"matchset\[(\w+)\]", text)) <= set(extras)
-    imported = {"pyserial": "serial"}
+    imported = {"pyserial": "serial", "eclipse-zenoh": "zenoh", "pyntcore": "ntcore"}
     for name, requirements in extras.items():
         for each in requirements:
             module = imported.get(Requirement(each).name, Requirement(each).name)

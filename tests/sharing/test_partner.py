@@ -12,7 +12,7 @@ from matchset.sharing.clock_offset import ExchangeParameters, Offset
 from matchset.sharing.messages import FORMAT, ClockMessage, OffsetMessage, TargetsMessage
 from matchset.sharing.partner import Partner, PartnerParameters
 from matchset.sharing.shared_target import Age, AgeParameters, SharedTarget, reason_not_to_use
-from sharing_poses import LEVEL, target_messages
+from sharing_poses import LEVEL, TRACK, target_messages
 
 AGES = AgeParameters()
 HOUR = 3600.0
@@ -77,6 +77,14 @@ def test_what_is_too_old_is_never_used(later: float, ahead: float) -> None:
         assert not found
     if not found:
         assert (found.values, found.reason != "") == ({}, True)
+
+
+def test_an_outline_is_not_used_either_when_it_is_old() -> None:
+    made = synchronized()
+    made.take(message(1, 10.0, targets=target_messages(TRACK, 10.0)), 10.04)
+    assert only(made, 10.1).values == TRACK.measured()
+    old = only(made, 20.0)
+    assert (old.shape, old.values) == ("Circle", {})
 
 
 def test_without_a_clock_nothing_is_used() -> None:

@@ -67,7 +67,7 @@ def growth(basis: Basis, length: float, bandwidth: float, cost: float | None = N
         workers = machines * WORKERS
         tasks = basis.draw(TURNS * workers, length, np.random.default_rng(machines))
         each = basis.cost(workers) if cost is None else cost
-        cluster = Cluster(workers, each, AHEAD, bandwidth, LINK / WORKERS)
+        cluster = Cluster(workers, each, AHEAD, min(bandwidth, machines * LINK), LINK)
         done = simulate(tasks, cluster)
         rate = sum(task.read for task in tasks) / done.seconds
         points.append(Point(machines, rate, rate / (ideal * machines), _limit(done)))
@@ -128,7 +128,8 @@ def tails(basis: Basis, stretch: float, machines: Sequence[int] = (10, 100, 1000
         parts = [
             part for task, length in zip(whole, lengths.tolist(), strict=True) for part in _cut(task, length, stretch)
         ]
-        cluster = Cluster(workers, basis.cost(workers), AHEAD, STORES["a thousand disks"], LINK / WORKERS)
+        bandwidth = min(STORES["a thousand disks"], each * LINK)
+        cluster = Cluster(workers, basis.cost(workers), AHEAD, bandwidth, LINK)
         ideal, cut = (sum(task.seconds for task in tasks) / workers for tasks in (whole, parts))
         times = simulate(whole, cluster).seconds, simulate(parts, cluster).seconds
         found.append(Tail(each, ideal, *times, cut / ideal - 1.0))

@@ -2,7 +2,7 @@
 
 Each worker asks for a task when it has ended one. The scheduler answers one worker after the other, and takes `cost`
 for each. A task reads its video, computes, and writes its results. All that read or write share the store's bandwidth
-in equal parts, none with more than its share of its machine's link; all that compute share the processors.
+in equal parts, none with more than its machine's link has; all that compute share the processors.
 """
 
 import heapq
@@ -11,6 +11,9 @@ from collections import deque
 from collections.abc import Callable, Iterable
 
 import msgspec
+
+
+FREE = 1e15  # bytes/s: reading takes no time
 
 
 class Task(msgspec.Struct, frozen=True):
@@ -46,9 +49,9 @@ class Cluster(msgspec.Struct, frozen=True):
     ahead : int
         Tasks that each worker is given at once; 2: the next one waits beside it.
     bandwidth : float
-        Of the store, bytes/s.
+        Of the store, or of the links of all machines if that is less, bytes/s.
     link : float
-        Of one worker's share of its machine's network, bytes/s.
+        Of one machine, bytes/s.
     rate : callable
         Speed of each worker when so many compute; 1: as fast as where the tasks were measured.
     """
@@ -56,8 +59,8 @@ class Cluster(msgspec.Struct, frozen=True):
     workers: int
     cost: float = 0.0
     ahead: int = 1
-    bandwidth: float = math.inf
-    link: float = math.inf
+    bandwidth: float = FREE
+    link: float = FREE
     rate: Callable[[int], float] = alike
 
 
@@ -99,6 +102,8 @@ class _Shared:
 
     def enter(self, worker: int, amount: float) -> None:
         """Begin with so much."""
+        if not self._ends:
+            self._done = 0.0
         heapq.heappush(self._ends, (self._done + amount, worker))
 
     @property

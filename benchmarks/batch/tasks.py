@@ -18,7 +18,6 @@ from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
 from matchset.batch.workers.processes import Processes
 
-
 HERE = 2  # workers of Dask that are there
 
 

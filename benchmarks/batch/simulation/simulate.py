@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable
 
 import msgspec
 
-
 FREE = 1e15  # bytes/s: reading takes no time
 
 

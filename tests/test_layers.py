@@ -24,8 +24,9 @@ LAYERS = [
     "app",
     "flight",
     "live",
+    "batch",
 ]
-PEOPLE = {"app", "flight", "live", "cli"}
+PEOPLE = {"app", "flight", "live", "batch", "cli"}
 """Floors that print and draw, and read files and clocks."""
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 

@@ -12,7 +12,7 @@ from batched_videos import HerePool, write_ball, write_balls, write_color
 from blue_ball import Matchset
 from matchset.batch import run
 from matchset.batch.jobs import work
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 
 FILES = {"all.csv", "videos.csv", "summary.html", "manifest.jsonl"}
 
@@ -45,9 +45,9 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(text))
 
 
-def outcomes(out: Path) -> list[Outcome]:
+def outcomes(out: Path) -> list[VideoOutcome]:
     lines = (out / "manifest.jsonl").read_bytes().splitlines()[1:]
-    return [msgspec.json.decode(line, type=Outcome) for line in lines]
+    return [msgspec.json.decode(line, type=VideoOutcome) for line in lines]
 
 
 def test_tables_are_those_of_track(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:

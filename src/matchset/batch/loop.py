@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from matchset.app.exit_codes import print_note
 from matchset.batch.clicking.clicker import Clicker
-from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.videos import real_name
 from matchset.batch.plan import Plan
 from matchset.batch.progress import BatchCounts
@@ -30,7 +30,7 @@ class Batch:
 
     def __init__(self, plan: Plan, manifest: Manifest, counts: BatchCounts, clicker: Clicker) -> None:
         self._plan, self._manifest, self._counts, self._clicker = plan, manifest, counts, clicker
-        self._work: Iterator[Job | Outcome] | None = plan.work()
+        self._work: Iterator[Job | VideoOutcome] | None = plan.work()
         self._queue: deque[Job] = deque()
         self._parts = Parts(plan.split)
 
@@ -58,7 +58,7 @@ class Batch:
             self._counts.earlier = self._plan.earlier
             if found is None:
                 self._work = None
-            elif isinstance(found, Outcome):
+            elif isinstance(found, VideoOutcome):
                 self._note(found)
             else:
                 jobs = self._parts.of(found)
@@ -73,14 +73,14 @@ class Batch:
             return
         if answer.job.stretch is not None:
             ended = self._parts.ended(answer.job, answer.outcome)
-            if isinstance(ended, Outcome):
+            if isinstance(ended, VideoOutcome):
                 self._note(ended)
             elif ended is not None:
                 self._queue.append(ended)
             return
         self._note(answer.outcome)
 
-    def _note(self, outcome: Outcome) -> None:
+    def _note(self, outcome: VideoOutcome) -> None:
         self._manifest.append(outcome)
         self._counts.count(outcome)
         if outcome.state == "doubtful":

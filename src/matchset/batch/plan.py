@@ -6,11 +6,12 @@ from collections.abc import Iterator
 import msgspec
 
 from matchset.batch.jobs.identity import code_digest, stat_of
-from matchset.batch.jobs.job import DONE, Job, Outcome
+from matchset.batch.jobs.job import DONE, Job, VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.video_options import settings_digest
 from matchset.batch.jobs.videos import VideoList, folder_of, plain_name
 from matchset.batch.jobs.work import kept_outcome
+from matchset.batch.options import BatchOptions
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.store import Store
 
@@ -26,13 +27,12 @@ class Plan:
     manifest : Manifest
     out : str
         Where results go, as workers name it.
-    retry : bool
-        Whether those that failed are done again.
-    split : float or None
-        Length of stretches, s.
+    options : BatchOptions
 
     Attributes
     ----------
+    split : float or None
+        Length of stretches, s.
     earlier : int
         Videos that were finished before.
     mark : str
@@ -46,15 +46,13 @@ class Plan:
         store: Store,
         manifest: Manifest,
         out: str,
-        *,
-        retry: bool = False,
-        split: float | None = None,
+        options: BatchOptions,
     ) -> None:
         self.videos, self.choice, self._store, self._manifest = videos, choice, store, manifest
-        self.out, self._retry, self.split = out, retry, split
+        self.out, self._retry, self.split = out, options.retry, options.worker.split
         self.earlier, self.mark = 0, secrets.token_hex(8)
 
-    def work(self) -> Iterator[Job | Outcome]:
+    def work(self) -> Iterator[Job | VideoOutcome]:
         """Yield what is to be done; of what cannot be done, or was done and is not in the manifest, the outcome."""
         for video in self.videos:
             folder = folder_of(video, self._manifest.root)
@@ -84,14 +82,14 @@ class Plan:
         """Return the job of a video in which somebody has clicked since (ValueError if it cannot be read)."""
         return self.job(video, folder, stat_of(video)[0])
 
-    def _unless_known(self, failed: Outcome, reason: str) -> Outcome | None:
+    def _unless_known(self, failed: VideoOutcome, reason: str) -> VideoOutcome | None:
         known = self._manifest.is_done(failed.video, failed.size, failed.modified, "", not self._retry)
         return None if known else msgspec.structs.replace(failed, reason=reason)
 
-    def _of(self, video: str, folder: str) -> Job | Outcome | None:
+    def _of(self, video: str, folder: str) -> Job | VideoOutcome | None:
         size, modified = stat_of(video)
         name = plain_name(video)
-        failed = Outcome(video=name, folder=folder, settings="", state="failed", size=size, modified=modified)
+        failed = VideoOutcome(video=name, folder=folder, settings="", state="failed", size=size, modified=modified)
         try:
             job = self.job(video, folder, size)
         except ValueError as error:

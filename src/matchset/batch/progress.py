@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from matchset.app.progress import duration_text
-from matchset.batch.jobs.job import Outcome, State
+from matchset.batch.jobs.job import State, VideoOutcome
 from matchset.batch.workers.pool import Pool
 
 
@@ -53,7 +53,7 @@ class BatchCounts:
         self.total, self.earlier, self._begun = total, 0, time.monotonic()
         self.states: dict[State, int] = {}
 
-    def count(self, outcome: Outcome) -> None:
+    def count(self, outcome: VideoOutcome) -> None:
         """Count what became of a video."""
         self.states[outcome.state] = self.states.get(outcome.state, 0) + 1
 

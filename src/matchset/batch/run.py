@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_note
-from matchset.batch.clicking.clicker import Clicker, Nobody
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.clicking.clicker import Clicker, NoClicker
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.videos import VideoList, folder_of
 from matchset.batch.jobs.work import MARK
@@ -36,14 +36,14 @@ def run_batch(options: BatchOptions) -> int:
     int
         The exit code.
     """
-    videos = VideoList(options.videos)
+    videos = VideoList(options.videos, options.out)
     if videos.twice:
         print_note(f"{videos.twice} videos are listed twice: each is done once")
     store, out = opened_store(options.out)
     clicked = store.path / CLICKS if isinstance(store, FolderStore) else None
     choice = TargetChoice(options, clicked)
     with lock_of(store, out) as lock, Manifest(store, videos.common) as manifest, StopRequest() as stop:
-        plan = Plan(videos, choice, store, manifest, out, retry=options.retry, split=options.worker.split)
+        plan = Plan(videos, choice, store, manifest, out, options)
         store.write(MARK, plan.mark.encode())
         counts = BatchCounts(videos.count)
         _work(options, plan, manifest, counts, (lock, stop))
@@ -84,7 +84,7 @@ def _work(
         display.show(pool)
 
 
-def doubtful(manifest: Manifest, plan: Plan) -> Iterator[Outcome]:
+def doubtful(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
     """Yield what was doubtful in an earlier run, and still is."""
     with manifest.by_folder() as outcomes:
         for video in plan.videos:
@@ -101,7 +101,7 @@ def clear_unfinished(out: str) -> None:
 
 def _clicker(options: BatchOptions, plan: Plan) -> Clicker:
     if not options.page:
-        return Nobody()
+        return NoClicker()
     try:
         from matchset.batch.clicking.page import ClickPage
     except ImportError as error:
@@ -109,10 +109,15 @@ def _clicker(options: BatchOptions, plan: Plan) -> Clicker:
     return ClickPage(plan.out, CLICKS)
 
 
+def processors() -> int:
+    """Return how many processors this program may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def _pool(options: BatchOptions) -> Pool:
     worker = options.worker
     if worker.scheduler is None:
-        return Processes(worker.jobs or os.cpu_count() or 1, options.shape)
+        return Processes(worker.jobs or processors(), options.shape)
     if worker.jobs is not None:
         raise ValueError("give one of --jobs and --scheduler")
     cluster = DaskCluster(worker.scheduler, options.shape)

@@ -61,6 +61,8 @@ class VideoStretch(StampedVideo):
         From when, s in the file's time stamps, to when it is read; 0: from its first frame.
     noted : callable
         Takes the `StretchMark` of every frame that is handed out.
+    closing : callable, optional
+        Called when the video is closed.
     options
         As of `Video`.
 
@@ -71,8 +73,15 @@ class VideoStretch(StampedVideo):
     """
 
     def __init__(
-        self, source: str, begin: float, end: float, noted: Callable[[StretchMark], None], **options: Any
+        self,
+        source: str,
+        begin: float,
+        end: float,
+        noted: Callable[[StretchMark], None],
+        closing: Callable[[], None] = lambda: None,
+        **options: Any,
     ) -> None:
+        self._closing = closing
         super().__init__(source, **options)
         recording = self.recording
         if recording is None:
@@ -115,4 +124,5 @@ class VideoStretch(StampedVideo):
         capture: Capture | None = getattr(self, "_capture", None)
         if capture is not None:
             capture.release()
+        self._closing()
         super().close()

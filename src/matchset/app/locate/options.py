@@ -23,7 +23,6 @@ from matchset.app.cli_options import (
 )
 from matchset.app.several.options import SeveralOptions
 
-
 CameraFile = Annotated[
     Path | None,
     typer.Option("--camera", metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV."),

@@ -4,7 +4,7 @@ from typing import Protocol
 
 import msgspec
 
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 
 
 class Click(msgspec.Struct, frozen=True):
@@ -31,7 +31,7 @@ class Clicker(Protocol):
         """Whether an answer may still come."""
         ...
 
-    def ask(self, outcome: Outcome) -> None:
+    def ask(self, outcome: VideoOutcome) -> None:
         """Ask where the ball is."""
         ...
 
@@ -44,12 +44,12 @@ class Clicker(Protocol):
         ...
 
 
-class Nobody:
-    """Nobody is there to be asked."""
+class NoClicker:
+    """NoClicker is there to be asked."""
 
     waits = False
 
-    def ask(self, outcome: Outcome) -> None:
+    def ask(self, outcome: VideoOutcome) -> None:
         """See `Clicker`."""
 
     def clicks(self) -> list[Click]:

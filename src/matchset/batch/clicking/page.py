@@ -19,7 +19,7 @@ from matchset.app.target.target_options import parse_pick
 from matchset.batch.clicking.clicker import Click
 from matchset.batch.jobs.choice import FRAME
 from matchset.batch.jobs.clicks import HEADING, click_line
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.results.store import store_at
 from matchset.live.web.guarded_application import GuardedApplication
 from matchset.live.web.listening import listen
@@ -40,7 +40,7 @@ class Question(msgspec.Struct):
     answer: str = ""
 
 
-def guess_of(outcome: Outcome) -> tuple[float, float] | None:
+def guess_of(outcome: VideoOutcome) -> tuple[float, float] | None:
     """Return the place of what is likeliest, px; None if nothing is."""
     x, y, _ = parse_pick(outcome.click or "0,0")
     return (x, y) if (x, y) != (0.0, 0.0) else None
@@ -64,7 +64,7 @@ class ClickPage:
 
     def __init__(self, out: str, name: str) -> None:
         self._store, self._name = store_at(out), name
-        self._outcomes = list[Outcome]()
+        self._outcomes = list[VideoOutcome]()
         self._questions = list[Question]()
         self._clicked: queue.SimpleQueue[Click] = queue.SimpleQueue()
         self._lock = threading.Lock()
@@ -83,7 +83,7 @@ class ClickPage:
         """See `Clicker`."""
         return any(not question.answer for question in self._questions)
 
-    def ask(self, outcome: Outcome) -> None:
+    def ask(self, outcome: VideoOutcome) -> None:
         """See `Clicker`."""
         with self._lock:
             number = len(self._questions)
@@ -125,7 +125,7 @@ class ClickPage:
         with self._lock:
             self._open(number)[0].answer = "skipped"
 
-    def _open(self, number: int) -> tuple[Question, Outcome]:
+    def _open(self, number: int) -> tuple[Question, VideoOutcome]:
         if not 0 <= number < len(self._questions):
             raise ValueError(f"there is no question {number}")
         if self._questions[number].answer:

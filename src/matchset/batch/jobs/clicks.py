@@ -1,4 +1,4 @@
-"""Clicks for the videos of a batch, from a table: `Clicks`, and `click_line` for one more."""
+"""Clicks for the videos of a batch, from a table: `ClickTable`, and `click_line` for one more."""
 
 import csv
 import io
@@ -11,7 +11,7 @@ COLUMNS = "video", "frame", "x", "y"
 HEADING = ",".join(COLUMNS) + "\n"
 
 
-class Clicks:
+class ClickTable:
     """Where to click in which video.
 
     Parameters

@@ -1,4 +1,4 @@
-"""What a worker is told of one video, and what it answers: `Job`, `Outcome`."""
+"""What a worker is told of one video, and what it answers: `Job`, `VideoOutcome`."""
 
 from typing import Literal
 
@@ -73,7 +73,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float = 0.0
 
 
-class Outcome(msgspec.Struct, frozen=True, kw_only=True):
+class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
     """What became of one video: a line of the manifest, and `run.json` in the folder of its results.
 
     Parameters

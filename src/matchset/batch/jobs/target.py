@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.target.target_options import check_target_options, parse_pick
-from matchset.batch.jobs.clicks import Clicks
+from matchset.batch.jobs.clicks import ClickTable
 from matchset.batch.jobs.video_options import Options, absolute, options_for
 from matchset.batch.options import BatchOptions
 from matchset.image.color import ColorModel
@@ -45,7 +45,7 @@ class TargetChoice:
             for path in [] if any("=" in str(path) for path in target.color or ()) else target.color or ():
                 ColorModel.load(path)  # a wrong file is said before thousands of videos fail by it
         self._given, self._base = given, absolute(options_for(options, ""))
-        self._clicks = [Clicks(path) for path in (choice.clicks, more) if path is not None and path.is_file()]
+        self._clicks = [ClickTable(path) for path in (choice.clicks, more) if path is not None and path.is_file()]
         if choice.clicks is not None and not choice.clicks.is_file():
             raise ValueError(f"no such file: {choice.clicks}")
 
@@ -69,7 +69,7 @@ class TargetChoice:
 
     def add(self, video: str, pick: str) -> None:
         """Take one more click."""
-        self._clicks.insert(0, Clicks())
+        self._clicks.insert(0, ClickTable())
         self._clicks[0].add(video, pick)
 
     def _with(self, **target: object) -> Options:

@@ -21,6 +21,8 @@ class VideoList:
     ----------
     sources : list of str
         Folders, which are searched with all that is in them; lists; names of files, with wildcards or without.
+    out : str
+        Folder of the results, which is not searched.
 
     Raises
     ------
@@ -28,8 +30,8 @@ class VideoList:
         If one is not there, or is a camera or a stream, which does not end.
     """
 
-    def __init__(self, sources: list[str]) -> None:
-        self._sources = sources
+    def __init__(self, sources: list[str], out: str = "") -> None:
+        self._sources, self._out = sources, os.fspath(Path(out).absolute()) if out else ""
         self.count = self.twice = 0
         common: str | None = None
         for path in self:
@@ -45,7 +47,7 @@ class VideoList:
         seen = set[int]()
         self.twice = 0
         for source in self._sources:
-            for path in _expanded(source):
+            for path in _expanded(source, self._out):
                 key = hash(os.path.realpath(path))
                 if key in seen:
                     self.twice += 1
@@ -54,12 +56,12 @@ class VideoList:
                 yield path
 
 
-def _expanded(source: str) -> Iterator[str]:
+def _expanded(source: str, out: str) -> Iterator[str]:
     """Yield the whole names of the videos that one word of the command line means."""
     check_ends(source)
     path = Path(source)
     if path.is_dir():
-        yield from _in_folder(path)
+        yield from _in_folder(path, out)
     elif path.suffix.lower() in LISTS:
         yield from _in_list(path)
     elif os.path.lexists(path):
@@ -69,12 +71,12 @@ def _expanded(source: str) -> Iterator[str]:
         if not found:
             raise ValueError(f"no such file: {source}")
         for each in found:
-            yield from _in_folder(each) if each.is_dir() else (os.fspath(each.absolute()),)
+            yield from _in_folder(each, out) if each.is_dir() else (os.fspath(each.absolute()),)
 
 
-def _in_folder(folder: Path) -> Iterator[str]:
+def _in_folder(folder: Path, out: str) -> Iterator[str]:
     for place, folders, files in os.walk(folder.absolute()):
-        folders.sort()
+        folders[:] = sorted(name for name in folders if os.fspath(Path(place, name)) != out)
         for name in sorted(files):
             path = Path(place, name)
             if path.suffix.lower() in SUFFIXES:

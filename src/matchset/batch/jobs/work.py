@@ -15,7 +15,7 @@ from matchset.app.track.command import track
 from matchset.batch.jobs.choice import Chosen, chosen_for, doubt_afterwards, write_frame
 from matchset.batch.jobs.counts import counts_in
 from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
-from matchset.batch.jobs.job import DONE, Job, Outcome, State
+from matchset.batch.jobs.job import DONE, Job, State, VideoOutcome
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.jobs.videos import plain_name
 from matchset.batch.results.store import RUN, Store, store_at
@@ -44,7 +44,7 @@ class FullDiskError(OSError):
     """There is no room for results."""
 
 
-def do_job(job: Job) -> Outcome:
+def do_job(job: Job) -> VideoOutcome:
     """Do what `track` or `locate` does with a video, and keep what it writes in the folder of its results.
 
     Parameters
@@ -53,7 +53,7 @@ def do_job(job: Job) -> Outcome:
 
     Returns
     -------
-    Outcome
+    VideoOutcome
         Also of a video that cannot be read: with the reason.
 
     Raises
@@ -93,13 +93,13 @@ def do_job(job: Job) -> Outcome:
     return outcome
 
 
-def kept_outcome(store: Store, job: Job) -> Outcome | None:
+def kept_outcome(store: Store, job: Job) -> VideoOutcome | None:
     """Return what the folder of a video's results says became of it with these settings; None if nothing."""
     text = store.read(f"{job.folder}/{RUN}")
     if text is None:
         return None
     try:
-        outcome = msgspec.json.decode(text, type=Outcome)
+        outcome = msgspec.json.decode(text, type=VideoOutcome)
     except msgspec.MsgspecError:
         return None
     return outcome if outcome.settings == job.settings else None
@@ -124,7 +124,7 @@ def _check_worker(job: Job, store: Store) -> None:
         raise UnfitWorkerError(worker, f"it does not see {job.video}: share that folder")
 
 
-def _run(job: Job, folder: Path, store: Store) -> Outcome:
+def _run(job: Job, folder: Path, store: Store) -> VideoOutcome:
     """Run the command; what it says goes to `log.txt`."""
     with (
         (folder / LOG).open("w", encoding="utf-8", errors="surrogateescape") as log,
@@ -172,7 +172,7 @@ def run_command(options: Options) -> int:
     return locate(options) if isinstance(options, LocateOptions) else track(options)
 
 
-def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> Outcome:
+def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> VideoOutcome:
     if code not in (FOUND, NOT_FOUND):
         return _outcome(job, "stopped", "stopped")
     frames, found = counts_in(folder)
@@ -184,8 +184,10 @@ def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> Outcome:
     return msgspec.structs.replace(_outcome(job, state, chosen.words, click=chosen.click), frames=frames, found=found)
 
 
-def _outcome(job: Job, state: State, reason: str = "", *, click: str = "", size: int = 0, modified: int = 0) -> Outcome:
-    return Outcome(
+def _outcome(
+    job: Job, state: State, reason: str = "", *, click: str = "", size: int = 0, modified: int = 0
+) -> VideoOutcome:
+    return VideoOutcome(
         video=plain_name(job.video),
         folder=job.folder,
         settings=job.settings,

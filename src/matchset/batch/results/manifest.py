@@ -12,7 +12,7 @@ import msgspec
 
 from matchset.app.exit_codes import print_note
 from matchset.batch.jobs.identity import done_key
-from matchset.batch.jobs.job import DONE, Outcome
+from matchset.batch.jobs.job import DONE, VideoOutcome
 from matchset.batch.results.store import FolderStore, Store
 from matchset.media.closing import Closing
 
@@ -108,7 +108,7 @@ class Manifest(Closing):
         key = done_key(video, size, modified, settings)
         return key in self._done or (failed_too and key in self._failed)
 
-    def append(self, outcome: Outcome) -> None:
+    def append(self, outcome: VideoOutcome) -> None:
         """Note what became of a video.
 
         Raises
@@ -120,13 +120,13 @@ class Manifest(Closing):
         self._write(msgspec.json.encode(outcome))
 
     @contextlib.contextmanager
-    def by_folder(self) -> Iterator["Outcomes"]:
+    def by_folder(self) -> Iterator["KeptOutcomes"]:
         """Give access to the outcomes by the folders of the videos."""
         self._flush()
         with tempfile.TemporaryFile() as copy:
             for line in self._lines():
                 copy.write(line.rstrip(b"\n") + b"\n")
-            yield Outcomes(copy)
+            yield KeptOutcomes(copy)
 
     def close(self) -> None:
         """Write what waits, and close the file."""
@@ -135,7 +135,7 @@ class Manifest(Closing):
             os.close(self._file)
             self._file = None
 
-    def _note(self, outcome: Outcome) -> None:
+    def _note(self, outcome: VideoOutcome) -> None:
         key = done_key(outcome.video, outcome.size, outcome.modified, outcome.settings)
         (self._done if outcome.state in DONE else self._failed).add(key)
 
@@ -165,7 +165,7 @@ class Manifest(Closing):
             yield from (self._store.read(f"{PARTS}/{name}") or b"").splitlines()
 
 
-class Outcomes:
+class KeptOutcomes:
     """The outcomes in a manifest by their folders; only places in the file are kept in memory.
 
     Parameters
@@ -184,7 +184,7 @@ class Outcomes:
                 self._places[hash(outcome.folder)] = place
             place += len(line)
 
-    def last(self, folder: str) -> Outcome | None:
+    def last(self, folder: str) -> VideoOutcome | None:
         """Return what became of a video last; None if it has not ended."""
         place = self._places.get(hash(folder))
         if place is None:
@@ -232,8 +232,8 @@ def _heading(line: bytes) -> Heading:
     return heading
 
 
-def _outcome(line: bytes) -> Outcome | None:
+def _outcome(line: bytes) -> VideoOutcome | None:
     try:
-        return msgspec.json.decode(line, type=Outcome)
+        return msgspec.json.decode(line, type=VideoOutcome)
     except msgspec.MsgspecError:
         return None

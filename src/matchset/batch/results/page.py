@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Protocol
 from urllib.parse import quote
 
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.results.store import Store
 from matchset.batch.results.worst_picture import worst_picture
 
@@ -15,7 +15,9 @@ body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 64re
 h1 { font-size: 1.4rem } h2 { font-size: 1.1rem; margin-top: 2rem }
 table { border-collapse: collapse } td, th { padding: .2rem .8rem .2rem 0; text-align: left; vertical-align: top }
 td.number { text-align: right; font-variant-numeric: tabular-nums }
-figure { margin: 1rem 0 } figure img { max-width: 100%; display: block } figcaption { color: #555 }
+section { display: grid; grid-template-columns: repeat(auto-fill, minmax(20rem, 1fr)); gap: 1rem }
+figure { margin: 0; border: 1px solid #ddd; border-radius: 6px; overflow: hidden }
+figure img { width: 100%; display: block } figcaption { color: #555; padding: .5rem .7rem; overflow-wrap: anywhere }
 svg text { font-size: 12px; fill: #444 }
 """
 
@@ -30,7 +32,7 @@ class Counted(Protocol):
     count: int
 
     @property
-    def worst(self) -> list[Outcome]:
+    def worst(self) -> list[VideoOutcome]:
         """Those with the smallest share found."""
         ...
 
@@ -63,13 +65,13 @@ def write_page(folder: Path, store: Store, totals: Counted) -> None:
 <h2>Share of the frames in which it was found</h2>
 {_histogram(totals.shares)}
 {f"<h2>The {len(figures)} with the smallest share</h2>" if figures else ""}
-{"".join(figures)}"""
+<section>{"".join(figures)}</section>"""
     head = f'<meta charset="utf-8"><title>matchset: {totals.count:,} videos</title><style>{STYLE}</style>'
     page = f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n'
     (folder / "summary.html").write_text(page, encoding="utf-8", errors="replace")
 
 
-def _words(outcome: Outcome) -> str:
+def _words(outcome: VideoOutcome) -> str:
     link = f'<a href="{html.escape(quote(outcome.folder))}/log.txt">{html.escape(outcome.folder)}</a>'
     share = f"{outcome.found:,} of {outcome.frames:,} frames" if outcome.frames else html.escape(outcome.state)
     reason = f": {html.escape(outcome.reason)}" if outcome.reason else ""
@@ -84,5 +86,6 @@ def _histogram(counts: Sequence[int]) -> str:
         x, y = 20 + 56 * k, 140 - height  # geometry: px
         bars.append(f'<rect x="{x}" y="{y:.1f}" width="50" height="{height:.1f}" fill="#3b7dd8"/>')
         bars.append(f'<text x="{x + 25}" y="{y - 5:.1f}" text-anchor="middle">{count:,}</text>' if count else "")
-        bars.append(f'<text x="{x + 25}" y="156" text-anchor="middle">{10 * k} to {10 * k + 10} %</text>')
+        bars.append(f'<text x="{x - 3}" y="156" text-anchor="middle">{10 * k}</text>')
+    bars.append('<text x="577" y="156" text-anchor="middle">100 %</text>')
     return f'<svg width="600" height="165" role="img" aria-label="histogram">{"".join(bars)}</svg>'

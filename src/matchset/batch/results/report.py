@@ -8,7 +8,7 @@ import msgspec
 
 from matchset.app.exit_codes import print_note
 from matchset.batch.jobs.counts import TABLES
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.videos import folder_of
 from matchset.batch.plan import Plan
 from matchset.batch.results.all_rows import AllRows
@@ -45,7 +45,7 @@ class Totals:
         How many videos have a share found of 0 to 10 %, 10 to 20 %, ...
     frames, found : int
         Of all videos.
-    worst : list of Outcome
+    worst : list of VideoOutcome
         Those with the smallest share found, the worst first.
     """
 
@@ -53,9 +53,9 @@ class Totals:
         self.states: dict[str, int] = {}
         self.shares = [0] * BINS
         self.frames = self.found = self.count = 0
-        self._worst: list[tuple[float, int, Outcome]] = []
+        self._worst: list[tuple[float, int, VideoOutcome]] = []
 
-    def add(self, outcome: Outcome) -> None:
+    def add(self, outcome: VideoOutcome) -> None:
         """Count a video."""
         self.count += 1
         self.states[outcome.state] = self.states.get(outcome.state, 0) + 1
@@ -68,7 +68,7 @@ class Totals:
             heapq.heappop(self._worst)
 
     @property
-    def worst(self) -> list[Outcome]:
+    def worst(self) -> list[VideoOutcome]:
         """See above."""
         return [outcome for _, _, outcome in sorted(self._worst, reverse=True)]
 
@@ -107,7 +107,7 @@ def write_report(store: Store, manifest: Manifest, plan: Plan) -> Totals:
     return totals
 
 
-def _in_order(manifest: Manifest, plan: Plan) -> Iterator[Outcome]:
+def _in_order(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
     """Yield the last outcome of each video, in the order of the videos."""
     with manifest.by_folder() as outcomes:
         missing = 0
@@ -125,7 +125,7 @@ def _table(store: Store, folder: str) -> bytes | None:
     return next((data for name in TABLES if (data := store.read(f"{folder}/{name}")) is not None), None)
 
 
-def _cells(outcome: Outcome) -> list[object]:
+def _cells(outcome: VideoOutcome) -> list[object]:
     share = f"{outcome.share:.4f}" if outcome.frames else ""
     numbers = outcome.frames, outcome.found, share, outcome.seconds
     reason = " ".join(outcome.reason.split())

@@ -11,7 +11,7 @@ import numpy as np
 from matchset.app.drawing.picture_file import write_picture
 from matchset.batch.jobs.choice import FRAME
 from matchset.batch.jobs.counts import TABLES
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.videos import real_name
 from matchset.batch.results.store import Store
 from matchset.media.video import Video
@@ -37,7 +37,7 @@ class PictureParameters(msgspec.Struct, frozen=True):
 PARAMETERS = PictureParameters()
 
 
-def worst_picture(store: Store, outcome: Outcome, path: Path) -> bool:
+def worst_picture(store: Store, outcome: VideoOutcome, path: Path) -> bool:
     """Write a picture of a video; returns whether there is one."""
     for name in DRAWN:
         data = store.read(f"{outcome.folder}/{name}")

@@ -31,14 +31,15 @@ class StretchOpening(SilenceOptions, frozen=True, kw_only=True):
     ) -> Video:
         """Open the stretch."""
         encoder = msgspec.json.Encoder()
-        marks = self.marks.open("wb")  # closed with the process' last use of it: one line is written for each frame
+        marks = self.marks.open("wb")
 
         def note(mark: StretchMark) -> None:
             marks.write(encoder.encode(mark) + b"\n")
-            marks.flush()
 
         begin, end = self.stretch.begin, self.stretch.end
-        return VideoStretch(source, begin, end, note, fps=fps, topic=topic, note=print_note, **view.arguments)
+        return VideoStretch(
+            source, begin, end, note, marks.close, fps=fps, topic=topic, note=print_note, **view.arguments
+        )
 
 
 def read_marks(text: bytes) -> list[StretchMark]:

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from matchset.batch.jobs.job import DONE, Job, Outcome, Stretch
+from matchset.batch.jobs.job import DONE, Job, Stretch, VideoOutcome
 from matchset.batch.split.stretch_work import stretch_folder
 from matchset.media.frame_list import StampedVideo
 
@@ -32,7 +32,7 @@ class _Waiting(msgspec.Struct):
     job: Job
     missing: int
     seconds: float = 0.0
-    wrong: Outcome | None = None
+    wrong: VideoOutcome | None = None
 
 
 class Parts:
@@ -65,7 +65,7 @@ class Parts:
         begin = duration * number / count - self._parameters.overlap if number else 0.0
         return Stretch(number, max(begin, 0.0), duration * (number + 1) / count if number < count - 1 else float("inf"))
 
-    def ended(self, job: Job, outcome: Outcome) -> Job | Outcome | None:
+    def ended(self, job: Job, outcome: VideoOutcome) -> Job | VideoOutcome | None:
         """Note that a stretch has ended; when none is missing, return the job that joins all, or what went wrong."""
         waiting = self._waiting[job.video]
         waiting.missing -= 1

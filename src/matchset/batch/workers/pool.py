@@ -5,7 +5,7 @@ from typing import Protocol, Self
 
 import msgspec
 
-from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.videos import plain_name
 
 
@@ -31,12 +31,12 @@ class Answer(msgspec.Struct, frozen=True):
     Parameters
     ----------
     job : Job
-    outcome : Outcome or None
+    outcome : VideoOutcome or None
     error : Exception or None
     """
 
     job: Job
-    outcome: Outcome | None = None
+    outcome: VideoOutcome | None = None
     error: Exception | None = None
 
 
@@ -82,7 +82,13 @@ class Pool(Protocol):
     ) -> None: ...
 
 
-def died(job: Job, deaths: int) -> Outcome:
+def died(job: Job, deaths: int) -> VideoOutcome:
     """Return what is said of a video over which workers have died."""
-    name, words = plain_name(job.video), f"{deaths} workers died over it"
-    return Outcome(video=name, folder=job.folder, settings=job.settings, state="failed", reason=words, size=job.size)
+    return VideoOutcome(
+        video=plain_name(job.video),
+        folder=job.folder,
+        settings=job.settings,
+        state="failed",
+        reason=f"{deaths} workers died over it",
+        size=job.size,
+    )

@@ -12,7 +12,7 @@ from typing import Any, Self
 import msgspec
 
 from matchset.batch.jobs.identity import stat_of
-from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.work import do_job
 from matchset.batch.workers.pool import RETRY, Answer, died
 from matchset.batch.workers.worker import THREADS, begin_worker, warm_up
@@ -26,7 +26,7 @@ class _Slot:
         self.job: Job | None = None
         self.begun = 0.0
 
-    def give(self, job: Job) -> Future[Outcome]:
+    def give(self, job: Job) -> Future[VideoOutcome]:
         """Begin a job."""
         self.job, self.begun = job, time.monotonic()
         try:

@@ -26,6 +26,10 @@ def test_folder_with_all_that_is_in_it(folder: Path) -> None:
     assert (videos.count, videos.common) == (3, folder)
 
 
+def test_results_are_not_searched(folder: Path) -> None:
+    assert names(VideoList([str(folder)], str(folder / "a"))) == ["three.webm", "two.mp4"]
+
+
 def test_wildcards_and_names(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert names(VideoList([str(folder / "*" / "*.mp4")])) == ["two.mp4"]
     monkeypatch.chdir(folder)

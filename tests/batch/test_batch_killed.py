@@ -13,7 +13,7 @@ import msgspec
 import pytest
 
 from batched_videos import write_balls, write_color
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.workers.worker import THREADS
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kill -9 is of POSIX")
@@ -38,11 +38,11 @@ class Folder:
         return subprocess.Popen([*command, *more], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     @property
-    def outcomes(self) -> list[Outcome]:
+    def outcomes(self) -> list[VideoOutcome]:
         """What has ended so far."""
         path = self.out / "manifest.jsonl"
         lines = path.read_bytes().split(b"\n")[1:-1] if path.is_file() else []
-        return [msgspec.json.decode(line, type=Outcome) for line in lines]
+        return [msgspec.json.decode(line, type=VideoOutcome) for line in lines]
 
     def tables(self) -> dict[str, bytes]:
         """All tables by their names."""

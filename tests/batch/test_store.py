@@ -1,0 +1,128 @@
+"""Results in a folder and at a URL: the same, whatever was there before."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from batched_videos import HerePool, write_balls, write_color
+from blue_ball import Matchset
+from matchset.batch import run
+from matchset.batch.jobs.identity import code_digest
+from matchset.batch.jobs.job import Job
+from matchset.batch.jobs.video_options import track_options
+from matchset.batch.jobs.work import MARK, UnfitWorkerError, do_job
+from matchset.batch.options import BatchOptions
+from matchset.batch.results import lock
+from matchset.batch.results.lock import Owner, RemoteLock
+from matchset.batch.results.store import FolderStore, Store, store_at
+
+
+@pytest.fixture(params=["folder", "url"])
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Store:
+    if request.param == "folder":
+        return FolderStore(tmp_path / "results")
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    return store_at(f"memory://{tmp_path.name}/results")
+
+
+def keep(store: Store, **files: str) -> None:
+    with store.unfinished() as folder:
+        for name, text in files.items():
+            (folder / name.replace("_", ".")).write_text(text)
+        store.keep(folder, "a/b")
+
+
+def test_a_folder_takes_the_place_of_the_one_before(store: Store) -> None:
+    keep(store, tracks_csv="1", why_png="2", run_json="3")
+    keep(store, tracks_csv="4", run_json="5")
+    assert store.names("a/b") == ["run.json", "tracks.csv"]
+    assert store.read("a/b/tracks.csv") == b"4"
+    assert store.read("a/b/why.png") is None
+    store.remove("a/b")
+    assert store.names("a/b") == []
+    store.remove("a/b")
+
+
+def test_files(store: Store, tmp_path: Path) -> None:
+    assert store.read("x/y.txt") is None
+    store.write("x/y.txt", b"one")
+    store.write("x/y.txt", b"two")
+    assert store.read("x/y.txt") == b"two"
+    path = tmp_path / "z.txt"
+    path.write_text("three")
+    store.put(path, "z.txt")
+    assert store.read("z.txt") == b"three"
+
+
+def test_batch_at_a_url(matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    monkeypatch.setattr(run, "Processes", HerePool)
+    clips, color = write_balls(tmp_path / "clips", 3), write_color(tmp_path / "ball.npz")
+    url = f"memory://{tmp_path.name}/out"
+    for _ in range(2):
+        assert matchset("batch", clips, "--out", url, "--color", color) == 0
+    assert matchset("batch", clips, "--out", "here", "--color", color) == 0
+    remote, here = store_at(url), FolderStore(Path("here"))
+    for name in ("all.csv", "day0/ball0.mp4/tracks.csv"):
+        assert remote.read(name) == here.read(name)
+    lines = b"".join(remote.read(f"manifest/{name}") or b"" for name in remote.names("manifest"))
+    assert len(lines.splitlines()) == 1 + 3
+
+
+def test_two_batches_at_one_url(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    store = store_at(f"memory://{tmp_path.name}/locked")
+    with RemoteLock(store, "there"), pytest.raises(ValueError, match="another batch writes into there"):
+        RemoteLock(store, "there").__enter__()
+    with RemoteLock(store, "there"):  # the first one has ended
+        pass
+    store.write(".lock", msgspec.json.encode(Owner("killed", 1.0)))
+    with RemoteLock(store, "there"):  # killed long ago
+        assert lock.PARAMETERS.dead > lock.PARAMETERS.beat
+    store.write(".lock", b"no json")
+    with RemoteLock(store, "there"):
+        pass
+
+
+def test_unknown_kind_of_url() -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    with pytest.raises(ValueError, match="nosuch"):
+        store_at("nosuch://bucket/results")
+
+
+@pytest.fixture
+def job(tmp_path: Path) -> Job:
+    clips = write_balls(tmp_path / "clips", 1)
+    out = tmp_path / "out"
+    FolderStore(out).write(MARK, b"mark")
+    batch = BatchOptions(videos=[], out=str(out))
+    return Job(
+        video=str(clips / "day0/ball0.mp4"),
+        folder="a",
+        out=str(out),
+        options=track_options(batch, ""),
+        settings="s",
+        mark="mark",
+        code=code_digest(),
+        size=1,
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({"code": "0.0.9 0123"}, "its matchset is another one"),
+        ({"mark": "another"}, "share that folder"),
+        ({"video": "/not/there.mp4"}, "it does not see /not/there.mp4"),
+    ],
+)
+def test_worker_that_does_not_fit(job: Job, change: dict[str, str], problem: str) -> None:
+    with pytest.raises(UnfitWorkerError, match=problem):
+        do_job(msgspec.structs.replace(job, **change))
+
+
+def test_what_is_wrong_with_a_video_is_its_outcome(job: Job) -> None:
+    assert do_job(job).reason.startswith("say what to follow")
+    gone = do_job(msgspec.structs.replace(job, video="/not/there.mp4", size=0))
+    assert (gone.state, gone.reason) == ("failed", "cannot read /not/there.mp4: No such file or directory")

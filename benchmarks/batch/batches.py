@@ -11,13 +11,13 @@ import msgspec
 
 from benchmarks.batch.videos import Videos
 from matchset.app.cli_options import GrayTargetOptions
-from matchset.batch.clicking.clicker import Nobody
-from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.clicking.clicker import NoClicker
+from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.videos import VideoList
 from matchset.batch.jobs.work import MARK, run_command
 from matchset.batch.loop import Batch
-from matchset.batch.options import BatchOptions
+from matchset.batch.options import BatchOptions, WorkerOptions
 from matchset.batch.plan import Plan
 from matchset.batch.progress import BatchCounts
 from matchset.batch.results.manifest import Manifest
@@ -63,16 +63,17 @@ class Work:
             videos=[str(path) for path in videos.paths],
             out=str(out),
             target=GrayTargetOptions(color=[videos.color]),
+            worker=WorkerOptions(split=split),
         )
-        self.out, self._split = out, split
+        self.out = out
 
     def run(self, pool: Pool) -> Ran:
         """Do all, as `matchset batch` does, without its start and its report (ValueError if one is not done)."""
-        outcomes = list[Outcome]()
+        outcomes = list[VideoOutcome]()
         with self._plan() as (plan, manifest):
             noted = _Noted(manifest, outcomes)
             begin, own = time.perf_counter(), time.process_time()
-            batch = Batch(plan, noted, BatchCounts(plan.videos.count), Nobody())  # type: ignore[arg-type]
+            batch = Batch(plan, noted, BatchCounts(plan.videos.count), NoClicker())  # type: ignore[arg-type]
             while batch.step(pool):
                 pass
             seconds, own = time.perf_counter() - begin, time.process_time() - own
@@ -94,7 +95,7 @@ class Work:
         videos, store = VideoList(self._options.videos), FolderStore(self.out)
         with Manifest(store, videos.common) as manifest:
             choice = TargetChoice(self._options)
-            plan = Plan(videos, choice, store, manifest, str(self.out), split=self._split)
+            plan = Plan(videos, choice, store, manifest, str(self.out), self._options)
             store.write(MARK, plan.mark.encode())
             yield plan, manifest
 
@@ -102,10 +103,10 @@ class Work:
 class _Noted:
     """A manifest whose outcomes are kept here, too."""
 
-    def __init__(self, manifest: Manifest, outcomes: list[Outcome]) -> None:
+    def __init__(self, manifest: Manifest, outcomes: list[VideoOutcome]) -> None:
         self._manifest, self._outcomes = manifest, outcomes
 
-    def append(self, outcome: Outcome) -> None:
+    def append(self, outcome: VideoOutcome) -> None:
         """Note what became of a video."""
         self._outcomes.append(outcome)
         self._manifest.append(outcome)

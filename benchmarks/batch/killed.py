@@ -16,7 +16,7 @@ import msgspec
 from benchmarks.batch.batches import Work, track_alone
 from benchmarks.batch.load import Others
 from benchmarks.batch.videos import TINY, Videos
-from matchset.batch.jobs.job import Outcome
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.results.manifest import FILE
 from matchset.batch.workers.worker import THREADS
 
@@ -134,11 +134,11 @@ class _Batch:
         """Wait for its end."""
         self.codes.append(process.wait(LONGEST))
 
-    def lines(self) -> list[Outcome]:
+    def lines(self) -> list[VideoOutcome]:
         """Return what the manifest says."""
         path = self.out / FILE
         lines = path.read_bytes().split(b"\n")[1:-1] if path.is_file() else []
-        return [msgspec.json.decode(line, type=Outcome) for line in lines]
+        return [msgspec.json.decode(line, type=VideoOutcome) for line in lines]
 
     def tables(self) -> dict[str, tuple[int, int]]:
         """Return the tables that are whole, each with what changes when it is written again."""

@@ -12,7 +12,7 @@ from benchmarks.batch.batches import Ran, Work
 from benchmarks.batch.load import Others
 from benchmarks.batch.videos import Videos
 from matchset.batch.jobs.identity import stat_of, worker_name
-from matchset.batch.jobs.job import Job, Outcome
+from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.workers import dask_cluster, processes
 from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
@@ -62,10 +62,10 @@ class Costs(msgspec.Struct, frozen=True):
     seconds: float
 
 
-def empty_task(job: Job) -> Outcome:
+def empty_task(job: Job) -> VideoOutcome:
     """Say that a video was followed."""
     size, modified = stat_of(job.video)
-    done = Outcome(video=job.video, folder=job.folder, settings=job.settings, state="found", frames=1, found=1)
+    done = VideoOutcome(video=job.video, folder=job.folder, settings=job.settings, state="found", frames=1, found=1)
     return msgspec.structs.replace(done, worker=worker_name(), size=size, modified=modified)
 
 

@@ -71,6 +71,8 @@ class Simulated(msgspec.Struct, frozen=True):
     seconds : float
         Until the last task has ended.
     tasks : int
+    rate : float
+        Tasks a second, until none was left to be given.
     computing, scheduler, store : float
         Share of that time in which a worker computed (mean over the workers), and in which the scheduler and the store
         were busy; the store is busy as far as its bandwidth is used.
@@ -78,6 +80,7 @@ class Simulated(msgspec.Struct, frozen=True):
 
     seconds: float
     tasks: int
+    rate: float
     computing: float
     scheduler: float
     store: float
@@ -129,6 +132,7 @@ class _Run:
         self._current: list[Task | None] = [None] * cluster.workers
         self._written = [False] * cluster.workers
         self._scheduler, self.computed = 0.0, 0.0
+        self._ended, self._given = 0, 0.0
 
     def run(self) -> Simulated:
         """Go from event to event."""
@@ -161,6 +165,7 @@ class _Run:
         return Simulated(
             now,
             self.count,
+            self._given,
             self.computed / (whole * cluster.workers),
             self.count * cluster.cost / whole,
             used,
@@ -169,6 +174,7 @@ class _Run:
     def _ask(self, now: float, worker: int) -> None:
         task = next(self._tasks, None)
         if task is None:
+            self._given = self._given or self._ended / max(now, 1e-12)
             return
         self.count += 1
         self._scheduler = max(self._scheduler, now) + self._cluster.cost
@@ -187,6 +193,7 @@ class _Run:
             self._processors.enter(worker, task.seconds)
             return
         self._current[worker] = None
+        self._ended += 1
         self._ask(now, worker)
         if self._waiting[worker]:
             self._begin(worker)

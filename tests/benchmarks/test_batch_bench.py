@@ -125,7 +125,7 @@ def measured() -> Kept:
     tasks = [1.0, 2.0, 1.5, 0.5] * 4
     one, two = Ran(sum(tasks) + 0.1, 0.0, tasks, 1), Ran(0.5 * 1.25 * sum(tasks), 0.0, tasks, 2)
     speed = Speed([Round((20.0, 12.5), (one, two))] * 3, 16, 160, 0.1, 100.0)
-    overhead = Overhead([Pair(1.02, 1.0, 10, 20, 5, 4)] * 4, None, 9.0)
+    overhead = Overhead([Pair(1.1, 1.0, (1.02, 1.0), 10, 20, 5, 4)] * 4, None, 9.0)
     empty = Ran(1.0, 0.5, [0.0] * 100, 1)
     names = ("1 processes", 1), ("2 processes", 2), ("Dask", 2), ("Dask", 16)
     costs = Costs([Cost(name, workers, 1000, empty) for name, workers in names], 0.0, 4.0)

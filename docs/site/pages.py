@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "matchset"
 LAYERS = (
     *("shapes", "image", "media", "fitting", "tracking", "camera", "localization", "control", "sim", "links"),
-    *("app", "flight", "live"),
+    *("app", "flight", "live", "batch"),
 )
 
 # file -> title, the names of `matchset.__all__` that it explains

@@ -27,7 +27,7 @@ from benchmarks.workers import one_thread
 
 SECTIONS = "speed", "overhead", "tasks", "split", "killed"
 PAGE = Path(__file__).resolve().parents[1] / "BATCH.md"
-EMPTY, CLUSTERS = 400, (2, 8, 32)  # tasks that do nothing, and workers of Dask
+EMPTY, CLUSTERS = 400, (2, 1_600, 16_000)  # tasks that do nothing, and workers of Dask
 
 
 def main(

@@ -1,7 +1,6 @@
 """What giving and taking a task costs, measured with tasks that do nothing: `measure_tasks`."""
 
 import contextlib
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,8 @@ from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
 from matchset.batch.workers.processes import Processes
 
+HERE = 2  # workers of Dask that are there
+
 
 class Cost(msgspec.Struct, frozen=True):
     """Tasks that do nothing.
@@ -28,6 +29,7 @@ class Cost(msgspec.Struct, frozen=True):
     name : str
         Who does them.
     workers : int
+        Of Dask those whose names go with each task.
     tasks : int
     ran : Ran
         `own` is the processor time of the whole process; of Dask's the scheduler and the workers are in it.
@@ -78,7 +80,7 @@ def measure_tasks(videos: Videos, out: Path, count: int, clusters: tuple[int, ..
     count : int
         Tasks.
     clusters : tuple of int
-        Numbers of workers of Dask, all in this process, each with one thread.
+        Numbers of workers whose names go with each task of Dask; two of them are there, in this process.
     """
     folder = out / "names"
     folder.mkdir(parents=True, exist_ok=True)
@@ -108,17 +110,25 @@ def _cluster(workers: int) -> Iterator[Pool]:
     import distributed
 
     cluster_of: Any = distributed.LocalCluster
-    os.environ["DASK_DISTRIBUTED__LOGGING__DISTRIBUTED"] = "error"
+    absent = {f"tcp://10.{k >> 16}.{k >> 8 & 255}.{k & 255}:40000": 0 for k in range(workers - HERE)}
+
+    class Named(DaskCluster):
+        """A pool that knows of workers which are not there."""
+
+        def _look(self) -> None:
+            super()._look()
+            self._fit = self._fit | absent
+
     with (
         mock.patch.object(dask_cluster, "do_job", empty_task),
         cluster_of(
-            n_workers=workers,
+            n_workers=HERE,
             threads_per_worker=1,
             processes=False,
             dashboard_address=":0",
             protocol="tcp",
             host="127.0.0.1",
         ) as cluster,
-        DaskCluster(cluster.scheduler_address) as pool,
+        Named(cluster.scheduler_address) as pool,
     ):
         yield pool

@@ -63,9 +63,9 @@ def test_the_store_is_the_limit_and_is_shared() -> None:
 
 
 def test_reading_goes_on_while_others_compute() -> None:
-    tasks = [Task(1.0, read=1.0)] * 20
-    done = simulate(tasks, Cluster(2, bandwidth=1.0))
-    assert done.seconds == pytest.approx(20.0 + 1.0, abs=0.1)
+    first, *others = Task(1.0), *[Task(1.0, read=1.0)] * 19
+    done = simulate([first, *others], Cluster(2, bandwidth=1.0))
+    assert done.seconds == pytest.approx(20.0)
 
 
 def test_nothing_to_simulate() -> None:
@@ -89,9 +89,9 @@ def basis() -> Basis:
 
 def test_growth_ends_at_the_bandwidth_of_the_store(basis: Basis, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("benchmarks.batch.simulation.many.MACHINES", (1, 2, 5))
-    points = growth(basis, 60.0, 50e6, cost=0.0)
+    points = growth(basis, 60.0, 20e6, cost=0.0)
     assert [point.limit for point in points] == ["store"] * 3
-    assert [point.rate for point in points] == pytest.approx([50e6] * 3, rel=0.05)
+    assert [point.rate for point in points] == pytest.approx([20e6] * 3, rel=0.12)
     free = growth(basis, 60.0, math.inf, cost=0.0)
     assert [point.share for point in free] == pytest.approx([1.0] * 3, abs=0.1)
     assert free[-1].rate == pytest.approx(5.0 * free[0].rate, rel=0.05)
@@ -125,7 +125,7 @@ def measured() -> Kept:
     tasks = [1.0, 2.0, 1.5, 0.5] * 4
     one, two = Ran(sum(tasks) + 0.1, 0.0, tasks, 1), Ran(0.5 * 1.25 * sum(tasks), 0.0, tasks, 2)
     speed = Speed([Round((20.0, 12.5), (one, two))] * 3, 16, 160, 0.1, 100.0)
-    overhead = Overhead([Pair(1.02, 1.0, 10, 20, 5, 4)] * 4, None, 9.0)
+    overhead = Overhead([Pair(1.1, 1.0, (1.02, 1.0), 10, 20, 5, 4)] * 4, None, 9.0)
     empty = Ran(1.0, 0.5, [0.0] * 100, 1)
     names = ("1 processes", 1), ("2 processes", 2), ("Dask", 2), ("Dask", 16)
     costs = Costs([Cost(name, workers, 1000, empty) for name, workers in names], 0.0, 4.0)

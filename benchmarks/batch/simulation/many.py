@@ -17,6 +17,7 @@ AHEAD = 2
 MACHINES = 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000
 STORES = {"one server, 10 Gbit/s": 1.25e9, "ten such servers": 12.5e9, "a thousand disks": 125e9}
 LENGTHS = {"10 s": 10.0, "1 min": 60.0, "1 h": 3600.0}
+LEAST = 5000  # tasks
 TURNS = 12  # tasks a worker that are simulated: the rate does not change any more
 ALL = 10e15  # bytes
 DAY = 86_400.0
@@ -32,7 +33,7 @@ class Point(msgspec.Struct, frozen=True):
     rate : float
         Bytes of video a second.
     share : float
-        Of the rate that as many machines have of which each is alone.
+        Of so many times the rate of one machine.
     limit : str
         What is busy most: "processors", "scheduler" or "store".
     """
@@ -61,16 +62,16 @@ def growth(basis: Basis, length: float, bandwidth: float, cost: float | None = N
     cost : float, optional
         A task of the scheduler, s; without it that which was measured, by the number of workers.
     """
-    ideal = basis.bytes_a_second / basis.seconds_a_second * WORKERS
-    points = []
+    points = list[Point]()
     for machines in MACHINES:
         workers = machines * WORKERS
-        tasks = basis.draw(TURNS * workers, length, np.random.default_rng(machines))
+        tasks = basis.draw(max(TURNS * workers, LEAST), length, np.random.default_rng(machines))
         each = basis.cost(workers) if cost is None else cost
-        cluster = Cluster(workers, each, AHEAD, bandwidth, LINK / WORKERS)
+        cluster = Cluster(workers, each, AHEAD, min(bandwidth, machines * LINK), LINK)
         done = simulate(tasks, cluster)
-        rate = sum(task.read for task in tasks) / done.seconds
-        points.append(Point(machines, rate, rate / (ideal * machines), _limit(done)))
+        rate = done.rate * sum(task.read for task in tasks) / done.tasks
+        alone = points[0].rate if points else rate
+        points.append(Point(machines, rate, rate / (alone * machines), _limit(done)))
     return points
 
 
@@ -128,7 +129,8 @@ def tails(basis: Basis, stretch: float, machines: Sequence[int] = (10, 100, 1000
         parts = [
             part for task, length in zip(whole, lengths.tolist(), strict=True) for part in _cut(task, length, stretch)
         ]
-        cluster = Cluster(workers, basis.cost(workers), AHEAD, STORES["a thousand disks"], LINK / WORKERS)
+        bandwidth = min(STORES["a thousand disks"], each * LINK)
+        cluster = Cluster(workers, basis.cost(workers), AHEAD, bandwidth, LINK)
         ideal, cut = (sum(task.seconds for task in tasks) / workers for tasks in (whole, parts))
         times = simulate(whole, cluster).seconds, simulate(parts, cluster).seconds
         found.append(Tail(each, ideal, *times, cut / ideal - 1.0))

@@ -2,7 +2,7 @@
 
 Each worker asks for a task when it has ended one. The scheduler answers one worker after the other, and takes `cost`
 for each. A task reads its video, computes, and writes its results. All that read or write share the store's bandwidth
-in equal parts, none with more than its share of its machine's link; all that compute share the processors.
+in equal parts, none with more than its machine's link has; all that compute share the processors.
 """
 
 import heapq
@@ -11,6 +11,8 @@ from collections import deque
 from collections.abc import Callable, Iterable
 
 import msgspec
+
+FREE = 1e15  # bytes/s: reading takes no time
 
 
 class Task(msgspec.Struct, frozen=True):
@@ -46,9 +48,9 @@ class Cluster(msgspec.Struct, frozen=True):
     ahead : int
         Tasks that each worker is given at once; 2: the next one waits beside it.
     bandwidth : float
-        Of the store, bytes/s.
+        Of the store, or of the links of all machines if that is less, bytes/s.
     link : float
-        Of one worker's share of its machine's network, bytes/s.
+        Of one machine, bytes/s.
     rate : callable
         Speed of each worker when so many compute; 1: as fast as where the tasks were measured.
     """
@@ -56,8 +58,8 @@ class Cluster(msgspec.Struct, frozen=True):
     workers: int
     cost: float = 0.0
     ahead: int = 1
-    bandwidth: float = math.inf
-    link: float = math.inf
+    bandwidth: float = FREE
+    link: float = FREE
     rate: Callable[[int], float] = alike
 
 
@@ -69,6 +71,8 @@ class Simulated(msgspec.Struct, frozen=True):
     seconds : float
         Until the last task has ended.
     tasks : int
+    rate : float
+        Tasks a second, until none was left to be given.
     computing, scheduler, store : float
         Share of that time in which a worker computed (mean over the workers), and in which the scheduler and the store
         were busy; the store is busy as far as its bandwidth is used.
@@ -76,6 +80,7 @@ class Simulated(msgspec.Struct, frozen=True):
 
     seconds: float
     tasks: int
+    rate: float
     computing: float
     scheduler: float
     store: float
@@ -99,6 +104,8 @@ class _Shared:
 
     def enter(self, worker: int, amount: float) -> None:
         """Begin with so much."""
+        if not self._ends:
+            self._done = 0.0
         heapq.heappush(self._ends, (self._done + amount, worker))
 
     @property
@@ -125,6 +132,7 @@ class _Run:
         self._current: list[Task | None] = [None] * cluster.workers
         self._written = [False] * cluster.workers
         self._scheduler, self.computed = 0.0, 0.0
+        self._ended, self._given = 0, 0.0
 
     def run(self) -> Simulated:
         """Go from event to event."""
@@ -157,6 +165,7 @@ class _Run:
         return Simulated(
             now,
             self.count,
+            self._given,
             self.computed / (whole * cluster.workers),
             self.count * cluster.cost / whole,
             used,
@@ -165,6 +174,7 @@ class _Run:
     def _ask(self, now: float, worker: int) -> None:
         task = next(self._tasks, None)
         if task is None:
+            self._given = self._given or self._ended / max(now, 1e-12)
             return
         self.count += 1
         self._scheduler = max(self._scheduler, now) + self._cluster.cost
@@ -183,6 +193,7 @@ class _Run:
             self._processors.enter(worker, task.seconds)
             return
         self._current[worker] = None
+        self._ended += 1
         self._ask(now, worker)
         if self._waiting[worker]:
             self._begin(worker)

@@ -66,9 +66,9 @@ def growth_tables(basis: Basis) -> str:
             rows.append([name, *(_cell(point) for point in shown)])
             knees.append([store, name, number(knee(points)), points[-1].limit])
         head = ["videos of", *(f"{count} machine{'s' * (count > 1)}" for count in SHOWN)]
-        words = f"**{store}** ({bandwidth / 1e9:g} GB/s): days for 10 PB, and share of the ideal rate"
+        words = f"**{store}** ({bandwidth / 1e9:g} GB/s): days for 10 PB, and share of the rate of as many alone"
         parts.append(f"{words}\n\n{table(head, rows)}")
-    head = ["store", "videos of", f"machines that keep {100 * HELD:.0f} % of the ideal rate", "limit with 1,000"]
+    head = ["store", "videos of", f"machines that keep {100 * HELD:.0f} % of that", "limit with 1,000"]
     return "\n\n".join([*parts, table(head, knees)])
 
 

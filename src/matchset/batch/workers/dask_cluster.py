@@ -116,7 +116,8 @@ class DaskCluster:
         if not self._fit:
             self._waiting.append(job)
             return
-        future = self._client.submit(do_job, job, workers=list(self._fit), pure=False)
+        named = list(self._fit) if self._unfit else None  # a list of thousands costs the scheduler more than the task
+        future = self._client.submit(do_job, job, workers=named, pure=False)
         self._jobs[future] = job
         self._begun.setdefault(job.video, time.monotonic())
         future.add_done_callback(self._ended.put)

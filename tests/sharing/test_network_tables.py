@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from matchset.sharing.network_tables import robot_deviations, robot_pose
+from matchset.sharing.sent_targets import Shareable
 from sharing_poses import FULL, LEVEL, TRACK
 from sharing_processes import until
 
@@ -46,7 +47,8 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
     std = robot.getDoubleArrayTopic(begin + "targetPoseStd").subscribe([])
     raw = robot.getRawTopic(begin + "targetPose3d").subscribe("struct:Pose3d", b"")
     with ms.NetworkTables("left", "127.0.0.1", port) as tables:
-        tables.publish({"ball": (TRACK, FULL), "late": LEVEL}, {"ball": 10.0, "late": 9.0}, 10.25)
+        found: dict[str, Shareable] = {"ball": (TRACK, FULL), "late": LEVEL}
+        tables.publish(found, {"ball": 10.0, "late": 9.0}, 10.25)
         until(lambda: turned.get() and raw.get() and late.get())
         assert tables.connected
         assert seen.get() is True

@@ -163,6 +163,9 @@ def test_one_that_is_gone_is_told_and_not_used() -> None:
     assert made.look(20.0) == []
     assert only(made, 10.05).reason == "not seen: its program is gone"
     assert made.come() == ["left: here"]
+    assert only(made, 10.05).reason == "not seen: its program is gone"
+    made.take(message(1, 10.04), 10.06)
+    assert only(made, 10.07)
 
 
 def test_a_wrong_time_of_day_is_told_once_and_changes_nothing() -> None:

@@ -83,7 +83,7 @@ class Partner:
         self.run: int | None = None
         self.offset = ClockOffset(clock)
         self._message: TargetsMessage | None = None
-        self._last, self._silent = -math.inf, False
+        self._last, self._silent, self._left = -math.inf, False, False
         self._received = self._missed = 0
         self._ended: list[int] = []
         self._said: set[str] = set()
@@ -113,7 +113,7 @@ class Partner:
         self._received, self._message = self._received + 1, message
         if self._silent:
             lines.append(f"{self.name}: back after {now - self._last:.1f} s")
-        self._last, self._silent = now, False
+        self._last, self._silent, self._left = now, False, False
         for each in message.offsets:
             known = self.offset.at(now)
             if (each.partner, each.run) == self._own and (known is None or each.uncertainty < known.uncertainty):
@@ -148,7 +148,7 @@ class Partner:
 
     def leave(self) -> list[str]:
         """Its program has ended, or cannot be reached any more."""
-        was, self.here, self._silent = self.here, False, False
+        was, self.here, self._silent, self._left = self.here, False, False, True
         return [f"{self.name}: gone"] if was else []
 
     def targets(self, now: float, parameters: AgeParameters) -> list[SharedTarget]:
@@ -158,7 +158,7 @@ class Partner:
             return []
         offset = self.offset.at(now)
         targets = message.targets
-        if not self.here:
+        if not self.here or self._left:  # it may be back, what it sent before is not
             targets = [msgspec.structs.replace(each, lost=each.lost or "its program is gone") for each in targets]
         return [shared_target(self.name, each, offset, now, parameters) for each in targets]
 

@@ -35,7 +35,7 @@ def test_a_flight_is_seen_by_another_program(tmp_path: Path) -> None:
     key = f"test/{tmp_path.parent.name}/{tmp_path.name}"
     with ms.Share("watcher", key=key) as share:
         heard = Heard(share)
-        words = ["fly", SMALL, "--duration", "2", "--real-time", "--share", "chain", "--share-key", key]
+        words = ["fly", SMALL, "--duration", "4", "--real-time", "--share", "chain", "--share-key", key]
         flying = subprocess.Popen(
             [sys.executable, "-m", "matchset", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )

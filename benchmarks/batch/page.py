@@ -118,7 +118,7 @@ def tasks_table(tasks: Costs) -> str:
         figures = f"{1e3 * cost.seconds:.2f}", f"{own:.2f}", f"{1.0 / cost.seconds:.0f}"
         rows.append([cost.name, str(cost.workers), str(cost.tasks), *figures])
     head = ["pool", "workers", "tasks", "a task, ms", "processor of the leading process, ms", "tasks a second"]
-    words = "Of Dask: so many workers are named with each task, of which two are there, in the leading process."
+    words = "Of Dask: so many workers are known to the batch, of which two are there, in the leading process."
     return f"{table(head, rows)}\n{words}"
 
 

@@ -29,7 +29,7 @@ class Cost(msgspec.Struct, frozen=True):
     name : str
         Who does them.
     workers : int
-        Of Dask those whose names go with each task.
+        Of Dask those that the batch knows.
     tasks : int
     ran : Ran
         `own` is the processor time of the whole process; of Dask's the scheduler and the workers are in it.
@@ -80,7 +80,7 @@ def measure_tasks(videos: Videos, out: Path, count: int, clusters: tuple[int, ..
     count : int
         Tasks.
     clusters : tuple of int
-        Numbers of workers whose names go with each task of Dask; two of them are there, in this process.
+        Numbers of workers of Dask that the batch knows; two of them are there, in this process.
     """
     folder = out / "names"
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,6 @@
 """Workers of a scheduler of Dask, on this computer and others: `DaskCluster`."""
 
+import contextlib
 import logging
 import queue
 import time
@@ -29,11 +30,15 @@ class DaskParameters(msgspec.Struct, frozen=True):
         more: more is done twice if a batch is killed.
     look : float
         How often it is looked which workers there are, s.
+    first : float
+        How long the first worker is waited for, s: a queue of jobs starts workers when it has room. Longer: a forgotten
+        worker is said later.
     """
 
     connect: float = 10.0
     ahead: float = 2.0
     look: float = 2.0
+    first: float = 60.0
 
 
 PARAMETERS = DaskParameters()
@@ -91,6 +96,8 @@ class DaskCluster:
         self._looked = -PARAMETERS.look
 
     def __enter__(self) -> Self:
+        with contextlib.suppress(TimeoutError):
+            self._client.wait_for_workers(1, timeout=PARAMETERS.first)
         self._look()
         if not self._fit:
             raise LinkError(f"the scheduler at {self.address} has no worker: dask worker {self.address}")

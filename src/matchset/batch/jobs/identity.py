@@ -5,17 +5,20 @@ import hashlib
 import os
 import platform
 import socket
+import zlib
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+DECIDING = ".py", ".npz", ".toml"  # format: endings of files of the package that decide about answers
+PIECE = 1 << 20  # format: bytes of a video that are read at once
 PACKAGE = Path(__file__).parents[2]
 
 
 @functools.cache
 def code_digest() -> str:
-    """Return the version of this program and a check sum of its sources and of the libraries that compute with it."""
+    """Return the version of this program, and a check sum of its sources, data and the libraries that compute with it."""
     digest = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in sorted(path for path in PACKAGE.rglob("*") if path.suffix in DECIDING):
         digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes())
     libraries = [f"{name} {_version(name)}" for name in ("numpy", "scipy", "numba", "opencv-python-headless", "av")]
     digest.update(repr(libraries).encode())
@@ -30,13 +33,20 @@ def _version(package: str) -> str:
 
 
 def content_digest(video: str) -> str:
-    """Return the check sum of a video, SHA-256; of a folder of pictures that of their names, sizes and times."""
+    """Return the check sum of a video, CRC-32; of a folder of pictures that of their names, sizes and times.
+
+    It only has to tell whether a file of the same name and size was changed: SHA-256 takes four times as long, 4 % of
+    what a task takes.
+    """
     path = Path(video)
     if path.is_dir():
         stats = [(each.name, *_size_and_time(each)) for each in sorted(path.iterdir())]
-        return hashlib.sha256(repr(stats).encode()).hexdigest()
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        return f"{zlib.crc32(repr(stats).encode()):08x}"
+    value, piece = 0, memoryview(bytearray(PIECE))
+    with path.open("rb", buffering=0) as file:
+        while count := file.readinto(piece):
+            value = zlib.crc32(piece[:count], value)
+    return f"{value:08x}"
 
 
 def stat_of(video: str) -> tuple[int, int]:

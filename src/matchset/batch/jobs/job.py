@@ -92,7 +92,7 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
     size, modified : int
         Of the video, bytes and ns.
     content : str
-        Its check sum (SHA-256).
+        Its check sum (CRC-32).
     click : str
         Where it was clicked by `--auto`, X,Y@FRAME.
     stretch : int or None

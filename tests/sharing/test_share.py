@@ -86,6 +86,7 @@ def test_pictures_of_several_cameras_have_times_of_their_own(share: ms.Share, ke
         share.publish(LEVEL, {"first": 1.0})
 
 
+@pytest.mark.usefixtures("signals_end_programs")
 def test_both_see_each_other_and_each_is_told_when_one_ends(share: ms.Share, key: str, partner: Begin) -> None:
     heard, other = Heard(share), partner("left", key)
     share.publish(LEVEL, time.monotonic())

@@ -16,7 +16,7 @@ PACKAGE = Path(__file__).parents[2]
 
 @functools.cache
 def code_digest() -> str:
-    """Return the version of this program, and a check sum of its sources, its data and the libraries it computes with."""
+    """Return the version of this program, and a check sum of its sources, its data and the versions of libraries."""
     digest = hashlib.sha256()
     for path in sorted(path for path in PACKAGE.rglob("*") if path.suffix in DECIDING):
         digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes())

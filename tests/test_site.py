@@ -55,7 +55,8 @@ def test_the_words_of_a_task_are_searched_as_the_page_does() -> None:
         "title": "Two balls before a webcam",
         "text": "<p>two balls, meters</p>",
     }
-    index = {"config": {"fields": {"title": {"boost": 1e3}, "text": {"boost": 1.0}}}, "docs": [*docs, wordy]}
+    config = {"separator": r"[\s\-]+", "fields": {"title": {"boost": 1e3}, "text": {"boost": 1.0}}}
+    index = {"config": config, "docs": [*docs, wordy]}
     assert finding["searcher"](index)("before webcam")[0] == "docs/webcam.html"
     assert "'two balls'" not in str(finding["misses"](index))
     wordy["boost"] = 1e3

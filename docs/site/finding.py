@@ -86,7 +86,8 @@ def searcher(index: dict[str, Any]) -> Callable[[str], list[str]]:
     for name, field in index["config"]["fields"].items():
         builder.field(name, boost=field["boost"])
     for section in index["docs"]:
-        plain = {name: re.sub(r"<[^>]*>", " ", section.get(name, "")) for name in ("title", "text")}
+        words = {name: re.sub(r"<[^>]*>", " ", section.get(name, "")) for name in ("title", "text")}
+        plain = {name: re.sub(index["config"]["separator"], " ", text) for name, text in words.items()}
         builder.add({"location": section["location"], "tags": None, **plain}, {"boost": section.get("boost", 1.0)})
     built = builder.build()
 

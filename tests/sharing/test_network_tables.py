@@ -68,6 +68,10 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
         tables.publish({"ball": ms.Lost("hidden", 0.0)}, 11.0, 11.25)
         until(lambda: not seen.get())
         assert pose.get() == robot_pose(FULL)
+        tables.publish(found, {"ball": 12.0, "late": 11.0}, 12.25)
+        until(lambda: seen.get())
+        tables.publish({"late": LEVEL}, 12.0, 12.25)  # one that is not told any more is not there any more
+        until(lambda: not seen.get())
 
 
 def test_it_serves_where_there_is_no_robot(robot: Any, port: int) -> None:

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import matchset as ms
 from matchset.sharing.clock_offset import ExchangeParameters, Offset
-from matchset.sharing.messages import FORMAT, ClockMessage, OffsetMessage, TargetsMessage
+from matchset.sharing.messages import FORMAT, ClockMessage, OffsetMessage, PoseMessage, TargetsMessage
 from matchset.sharing.partner import Partner, PartnerParameters
-from matchset.sharing.shared_target import Age, AgeParameters, SharedTarget, reason_not_to_use
+from matchset.sharing.shared_target import Age, AgeParameters, SharedTarget, is_pose, reason_not_to_use
 from sharing_poses import LEVEL, TRACK, target_messages
 
 AGES = AgeParameters()
@@ -217,3 +217,20 @@ def test_a_shared_target_is_a_line_and_a_dictionary() -> None:
     old = only(synchronized(), 20.0)
     assert repr(old) == "SharedTarget(left 'ball', not to be used: it is 10.00 s old, at most 0.5 s is used)"
     assert old.to_dict()["pose"]["found"] is False
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"rotation_matrix": ((0.0,) * 3,) * 3},
+        {"rotation_matrix": ((2.0, 0.0, 0.0), (0.0, 3.0, 0.0), (0.0, 0.0, 1.0))},
+        {"rotation_matrix": ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))},
+        {"covariance": tuple(tuple(-1.0 if row == column == 2 else 0.0 for column in range(6)) for row in range(6))},
+    ],
+)
+def test_numbers_that_are_no_pose(change: dict[str, Any]) -> None:
+    even = tuple(tuple(float(row == column) for column in range(6)) for row in range(6))
+    turned = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    sent = {"position": (0.0, 0.0, 1.0), "rotation_matrix": turned, "covariance": even, "observed": "full", "time": 0.0}
+    assert is_pose(msgspec.convert(sent, PoseMessage))
+    assert not is_pose(msgspec.convert(sent | change, PoseMessage))

@@ -59,6 +59,7 @@ class NetworkTables(NotCopied, Closing):
 
     def __init__(self, name: str, server: str | int | None, port: int = PORT) -> None:
         self.name, self._server, self._publishers = checked_name(name), server, dict[str, Any]()
+        self._told = set[str]()
         checked_count("the port of NetworkTables", port, 1, 65_535)
         if server is not None:
             check_kind("the server of NetworkTables", server, (str, int))
@@ -97,6 +98,10 @@ class NetworkTables(NotCopied, Closing):
         stamp = self._now()
         for each, age in zip(targets, ages, strict=True):
             self._publish(each, age, max(round(stamp - MICRO * age), 1))
+        names = {each.name for each in targets}
+        for gone in self._told - names:
+            self._set(f"/matchset/{self.name}/{gone}/hasTarget", "Boolean", False, stamp)
+        self._told = names
         self._tables.flush()
 
     def close(self) -> None:

@@ -261,6 +261,9 @@ class Share(NotCopied, Closing):
         if name == self.name:
             return None
         if name not in self._partners:
+            if not is_name(name):
+                self._say_once("misnamed", f"{name!r:.80}: left out, that is no name")
+                return None
             if len(self._partners) >= MOST_TARGETS:
                 gone = [each for each, partner in self._partners.items() if not partner.here]
                 if not gone:
@@ -300,9 +303,8 @@ class Share(NotCopied, Closing):
                 now = monotonic()
                 for partner in self._partners.values():
                     self._say(partner.look(now))
-                waiting = [each for each in self._partners.values() if each.here]
-            for partner in waiting:
-                unknown = partner.offset.at(now) is None
+                waiting = [(each, each.offset.at(now) is None) for each in self._partners.values() if each.here]
+            for partner, unknown in waiting:
                 if now >= due.get(partner.name, now) or unknown:
                     due[partner.name] = now + self.parameters.clock.interval
                     self._compare(partner)
@@ -321,6 +323,14 @@ class Share(NotCopied, Closing):
                     self._say(partner.compare(asked, read_clock(data), returned, time.time()))
                 except ForeignMessageError as error:
                     self._say(partner.once("foreign", f"{error}; left out"))
+
+
+def is_name(text: str) -> bool:
+    """Whether a partner may be called so; what else comes under a key is not shown to anybody."""
+    try:
+        return bool(checked_name(text))
+    except ValueError:
+        return False
 
 
 def monotonic() -> float:

@@ -12,6 +12,8 @@ from matchset.sharing.clock_offset import Offset
 from matchset.sharing.messages import PoseMessage, TargetMessage
 from matchset.tracking.track import Lost
 
+ORTHONORMAL = 1e-6  # format: how far a rotation's axes may be from unit length and right angles
+
 
 class AgeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What is too old, or not known well enough, to be used.
@@ -151,7 +153,7 @@ def shared_target(
     track, pose = message.track, message.pose
     found: Pose | Lost[Pose] = Lost(reason or "the partner shares no pose of it", taken)
     if pose is not None and not reason:
-        found = _pose(pose, taken)
+        found = _pose(pose, taken) if is_pose(pose) else Lost("what the partner sends is no pose", taken)
     return SharedTarget(
         partner=partner,
         name=message.name,
@@ -162,6 +164,17 @@ def shared_target(
         age=age,
         reason=reason,
     )
+
+
+def is_pose(message: PoseMessage) -> bool:
+    """Whether a partner's numbers are a pose: a rotation, if one was observed, and variances."""
+    covariances = [each for each in (message.covariance, message.systematic_covariance) if each is not None]
+    if any(row[axis] < 0.0 for covariance in covariances for axis, row in enumerate(covariance)):
+        return False
+    if message.rotation_matrix is None:
+        return True
+    turned = np.array(message.rotation_matrix)
+    return bool(np.allclose(turned.T @ turned, np.eye(3), atol=ORTHONORMAL) and np.linalg.det(turned) > 0.0)
 
 
 def _pose(message: PoseMessage, time: float) -> Pose:

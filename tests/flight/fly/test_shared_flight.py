@@ -4,11 +4,13 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import matchset as ms
 from matchset.app.sharing_options import SharingOptions
+from matchset.flight.fly.shared_flight import MOST_LINES, SharedFlight
 from sharing_processes import Heard, until
 
 PACKAGE = Path(ms.__file__).parent
@@ -65,3 +67,32 @@ def test_options_of_sharing_need_a_name() -> None:
         SharingOptions(ros2=3).opened()
     with pytest.raises(ValueError, match="got 'a/b'"):
         SharingOptions(share="a/b").opened()
+
+
+class RefusingShare:
+    """Refuses every number, and has much to tell of its partners."""
+
+    def publish(self, *_: object) -> None:
+        raise ValueError("this cannot be shared: it sends a damaged message")
+
+    def news(self) -> list[str]:
+        return [f"left: began anew {number}" for number in range(100)]
+
+    def partners(self) -> list[object]:
+        return []
+
+    def close(self) -> None:
+        pass
+
+
+def test_what_cannot_be_shared_never_ends_a_flight() -> None:
+    said = list[str]()
+    shared = SharedFlight(RefusingShare(), said.append)  # type: ignore[arg-type]
+    for _ in range(3):
+        shared.add(SimpleNamespace(steps=[SimpleNamespace(frame=None, now=1.0)]))  # type: ignore[arg-type]
+    shared.close()
+    assert [line for line in said if line.startswith("not shared")] == [
+        "not shared: this cannot be shared: it sends a damaged message"
+    ]
+    assert len(said) == 1 + 3 * (MOST_LINES + 1)
+    assert said[-1] == f"shared with others: {100 - MOST_LINES} more lines"

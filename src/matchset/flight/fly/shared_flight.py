@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from matchset.sharing.share import Share
 
 
+MOST_LINES = 3  # format: of partners, said in one step of a flight
+
+
 class SharedFlight(Closing):
     """Publishes ball and pose of every follower, and says who comes, goes or cannot be read.
 
@@ -27,9 +30,10 @@ class SharedFlight(Closing):
     def __init__(self, share: "Share | None", say: Callable[[str], None]) -> None:
         self._share, self._say = share, say
         self._found, self._times = dict[str, "Shareable"](), dict[str, float]()
+        self._refused = False
 
     def add(self, chain_step: ChainStep) -> None:
-        """Publish what was found in the pictures of a step."""
+        """Publish what was found in the pictures of a step; nothing that comes of it ends a flight."""
         if self._share is None:
             return
         several = len(chain_step.steps) > 1
@@ -37,9 +41,17 @@ class SharedFlight(Closing):
             if step.frame is not None:
                 name = f"ball {number}" if several else "ball"
                 self._found[name], self._times[name] = (step.ball, step.pose), step.frame.time
-        self._share.publish(self._found, self._times, max(step.now for step in chain_step.steps))
-        for line in self._share.news():
+        try:
+            self._share.publish(self._found, self._times, max(step.now for step in chain_step.steps))
+        except (ValueError, TypeError) as error:  # such as a number that is too large to be told
+            if not self._refused:
+                self._refused = True
+                self._say(f"not shared: {error}")
+        news = self._share.news()
+        for line in news[:MOST_LINES]:
             self._say(f"shared with {line}")
+        if len(news) > MOST_LINES:
+            self._say(f"shared with others: {len(news) - MOST_LINES} more lines")
 
     def close(self) -> None:
         """Say what came from each partner, and share nothing more."""

@@ -369,6 +369,8 @@ class FileTracking(Closing):
         if not isinstance(click, Pick):
             raise ValueError(f"{target.name} was not clicked: there is nothing else that it may mean")
         self._follow(target.number, msgspec.structs.replace(click, reading=wish.reading), place, target.ball)
+        self.targets[target.number].name = target.name
+        self._groups.forget(target.number)
         self._runs.forget(target)
         self._changes += 1 + target.version
 

@@ -1,7 +1,8 @@
 """Shares what the page shows, and shows what others share: `SharedPage`, a listener and a panel in one."""
 
+import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from matchset.live.feed import Feed, Panel, StreamPicture
@@ -10,7 +11,7 @@ from matchset.live.sharing.state import SharedTargetState, SharingPartnerState, 
 from matchset.live.wire.state import TargetState
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
-from matchset.sharing.messages import LONGEST_NAME
+from matchset.sharing.messages import LONGEST_NAME, MOST_TARGETS
 from matchset.sharing.partner import PartnerState
 from matchset.sharing.sent_targets import SentOutline, SentTarget
 from matchset.sharing.share import Share
@@ -38,6 +39,7 @@ class SharedPage(Panel, Closing):
         self._share, self._note = share, note
         self._targets: dict[int, list[SentTarget]] = {}
         self._times: dict[int, float] = {}
+        self._refused = False
 
     def hear(self, stream: int, seen: StreamPicture) -> None:
         """Publish the targets of a picture, with the newest of the other streams."""
@@ -45,9 +47,18 @@ class SharedPage(Panel, Closing):
             return
         self._targets[stream] = [sent_target(each, stream, seen) for each in seen.state.targets if not each.pending]
         self._times[stream] = seen.frame.time
-        found = [each for targets in self._targets.values() for each in targets]
-        times = {each.name: self._times[number] for number, targets in self._targets.items() for each in targets}
-        self._share.publish(found, times, seen.frame.time + seen.state.age)
+        found, times = list[SentTarget](), dict[str, float]()
+        for number, targets in list(self._targets.items()):
+            for each in targets:
+                name = unused(each.name, times)
+                found.append(each._replace(name=name))
+                times[name] = self._times[number]
+        try:
+            self._share.publish(found[:MOST_TARGETS], times, seen.frame.time + seen.state.age)
+        except (ValueError, TypeError) as error:  # such as a number that is too large to be told: the page goes on
+            if not self._refused:
+                self._refused = True
+                self._note(f"not shared: {error}")
 
     def changed(self, feed: Feed | None) -> None:  # noqa: ARG002
         """Forget what was shown before."""
@@ -67,6 +78,12 @@ class SharedPage(Panel, Closing):
     def close(self) -> None:
         """Share nothing more."""
         self._share.close()
+
+
+def unused(name: str, taken: Collection[str]) -> str:
+    """Return a name that is not taken: this one, or with a number behind it."""
+    numbered = (f"{name[: LONGEST_NAME - 4]} ({number})" for number in itertools.count(2))
+    return name if name not in taken else next(each for each in numbered if each not in taken)
 
 
 def shared_page(share: Share | None, session: Session) -> AbstractContextManager[object]:

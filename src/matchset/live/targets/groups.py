@@ -210,6 +210,14 @@ class AlikeGroups:
                 continue
             if self.of(one.number) is not None and self.of(one.number) is self.of(other.number):
                 continue
+            new = next((each for each in (other, one) if each.before is None), None)
+            if (
+                new is not None
+            ):  # found for the first time, on a ball that is followed: nothing tells that it is another
+                elder = one if new is other else other
+                new.last = None
+                answers[new.number] = TogetherAnswer(Lost(f"that is {elder.name}", frame.time))
+                continue
             groups = [self.of(each.number) for each in (one, other)]
             members = {one.number: one, other.number: other}
             for group in {id(each): each for each in groups}.values():
@@ -217,7 +225,8 @@ class AlikeGroups:
                     members |= group.members
                     self._groups.remove(group)
             for each in members.values():
-                each.last = each.before
+                if isinstance(each.answer, Track) and each.before is not None:
+                    each.last = each.before
             finds = any(group is not None and group.finds for group in groups)
             merged = AlikeGroup(list(members.values()), finds, self._parameters)
             self._groups.append(merged)

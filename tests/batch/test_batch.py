@@ -236,6 +236,9 @@ def test_clicks(matchset: Matchset, pools: list[HerePool], clips: Path) -> None:
             "give one of --jobs and --scheduler",
         ),
         (("--color", "ball.npz", "--locate", "--shape", "ellipse"), "--shape and --gray are of 'track'"),
+        (("--color", "ball.npz", "--split", 5), "--split must be longer than 10 s"),
+        (("--color", "ball.npz", "--split", 60, "--films"), "--films is of whole videos"),
+        (("--color", "ball.npz", "--split", 60, "--all", "--smooth"), "--smooth is of whole videos"),
         (("--color", "ball.npz", "--most", 3), "--most is of several targets"),
     ],
 )

@@ -7,6 +7,7 @@ import pytest
 
 from batched_videos import HerePool, write_ball, write_color
 from blue_ball import Matchset
+from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
 from matchset.batch.jobs.video_options import track_options
 from matchset.batch.options import BatchOptions
@@ -108,5 +109,8 @@ def test_other_pictures_are_not_joined(other: Part) -> None:
 
 def test_options_of_a_batch_are_those_of_track() -> None:
     options = track_options(BatchOptions(videos=[], out="x"), "video.mp4")
+    several = SeveralOptions(every=True, most=3, smooth=True)
+    asked = track_options(BatchOptions(videos=[], out="x", several=several), "video.mp4").several
+    assert (asked.every, asked.most, asked.smooth) == (True, 3, True)
     assert options.source == "video.mp4"
     assert options.shown.no_video

@@ -20,6 +20,7 @@ from matchset.batch.results.lock import Lock, lock_of
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.report import write_report
 from matchset.batch.results.store import UNFINISHED, FolderStore, Store, store_at
+from matchset.batch.split.parts import check_split
 from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
 from matchset.batch.workers.processes import Processes
@@ -36,6 +37,7 @@ def run_batch(options: BatchOptions) -> int:
     int
         The exit code.
     """
+    check_split(options)
     videos = VideoList(options.videos, options.out)
     if videos.twice:
         print_note(f"{videos.twice} videos are listed twice: each is done once")

@@ -27,7 +27,7 @@ def track_options(options: BatchOptions, video: str) -> TrackOptions:
         source=video,
         view=options.view,
         target=options.target,
-        several=MotOptions(every=options.several.every, most=options.several.most),
+        several=MotOptions(**msgspec.structs.asdict(options.several)),
         shape=options.shape,
         shown=ShownOptions(no_video=not options.films, start=options.start, end=options.end),
         points=options.points,

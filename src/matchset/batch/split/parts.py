@@ -3,6 +3,7 @@
 import msgspec
 
 from matchset.batch.jobs.job import DONE, Job, Stretch, VideoOutcome
+from matchset.batch.options import BatchOptions
 from matchset.batch.split.stretch_work import stretch_folder
 from matchset.media.frame_list import StampedVideo
 
@@ -24,6 +25,23 @@ class SplitParameters(msgspec.Struct, frozen=True):
 
 
 PARAMETERS = SplitParameters()
+
+
+def check_split(options: BatchOptions) -> None:
+    """Refuse what is not there in stretches (ValueError)."""
+    if options.worker.split is None:
+        return
+    if options.worker.split <= PARAMETERS.overlap:
+        raise ValueError(f"--split must be longer than {PARAMETERS.overlap:g} s, got {options.worker.split:g}")
+    whole = {
+        "--smooth": options.several.smooth,
+        "--films": options.films,
+        "--start": options.start is not None,
+        "--end": options.end is not None,
+    }
+    for option, given in whole.items():
+        if given:
+            raise ValueError(f"{option} is of whole videos: leave it out with --split")
 
 
 class _Waiting(msgspec.Struct):
@@ -50,7 +68,8 @@ class Parts:
 
     def of(self, job: Job) -> list[Job]:
         """Return the jobs of the stretches of a video, or its own job."""
-        duration = 0.0 if self._length is None else duration_of(job)
+        clicked = len(job.options.target.picks or ()) > 1 and not job.options.several.every  # each is one of its own
+        duration = 0.0 if self._length is None or clicked else duration_of(job)
         if self._length is None or duration < 2.0 * self._parameters.shortest * self._length:
             return [job]
         count = max(round(duration / self._length), 2)

@@ -92,6 +92,18 @@ def test_identities_go_on_and_new_ones_get_new_numbers() -> None:
     assert differing == [99]  # one more target is seen by the later stretch: said
 
 
+def test_nobody_is_there_where_stretches_overlap() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"0": 90.0})
+    for frame in range(50, 110):
+        one.rows.pop(frame, None)
+        other.rows.pop(frame, None)
+    table, differing = joined([one, other])
+    lines = [line.split(",") for line in table.decode().splitlines()[1:]]
+    assert [int(line[0]) for line in lines] == [*range(50), *range(110, 200)]
+    assert [line[6] for line in lines] == ["0"] * 50 + ["1"] * 90  # somebody else, as far as can be told
+    assert differing == []
+
+
 def test_three_stretches_with_other_numbers() -> None:
     stretches = [part(range(first, first + 100), {"3": 20.0}, shift=k) for k, first in enumerate((0, 60, 120))]
     table, differing = joined(stretches)

@@ -136,8 +136,8 @@ def cut_between(one: Part, other: Part, parameters: JoinParameters = PARAMETERS)
     names = _same_targets(one, other, shift, common, parameters)
     run = 0
     for frame in common:
-        same = _comparable(one, one.rows[frame + shift], {}) == _comparable(other, other.rows[frame], names)
-        run = run + 1 if same else 0
+        before, after = one.rows.get(frame + shift, []), other.rows.get(frame, [])
+        run = run + 1 if _comparable(one, before, {}) == _comparable(other, after, names) else 0
         if run >= parameters.same:
             return Cut(frame, shift, True, names)
     return Cut(common[-1], shift, False, names)
@@ -153,10 +153,7 @@ def _shift(one: Part, other: Part, parameters: JoinParameters) -> tuple[int, lis
     common = [b.index for a, b in same if a.index - b.index == shift]
     if count < parameters.pictures or len(common) < len(pairs) - parameters.pictures:
         raise MisfitError(f"{count} of {len(pairs)} pictures of two stretches are the same where they overlap")
-    usable = [frame for frame in common if frame + shift in one.rows and frame in other.rows]
-    if not usable:
-        raise MisfitError("two stretches have no rows in common")
-    return shift, usable
+    return shift, common
 
 
 def _comparable(part: Part, rows: Sequence[Row], names: dict[str, str]) -> list[Row]:
@@ -176,8 +173,8 @@ def _same_targets(
         return {}
     votes: Counter[tuple[str, str]] = Counter()
     for frame in common:
-        before = list(_places(one, one.rows[frame + shift]))
-        for name, x, y, size in _places(other, other.rows[frame]):
+        before = list(_places(one, one.rows.get(frame + shift, [])))
+        for name, x, y, size in _places(other, other.rows.get(frame, [])):
             for old, old_x, old_y, _ in before:
                 if math.hypot(x - old_x, y - old_y) < parameters.near * size:
                     votes[name, old] += 1

@@ -91,6 +91,26 @@ def test_other_settings_do_all_again(matchset: Matchset, pools: list[HerePool], 
     assert len(pools[1].done) == 4
 
 
+def test_settings_of_before_are_done_again(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    for points in (64, 32, 64):
+        assert matchset("batch", clips, "--out", "results", "--color", color, "--points", points) == 0
+    assert [len(pool.done) for pool in pools] == [4, 4, 4]  # what lay in the folders was of the others
+
+
+def test_videos_are_never_replaced_by_results(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {path: path.read_bytes() for path in clips.rglob("*.mp4")}
+    assert matchset("batch", clips, "--out", clips, "--color", color) == 2
+    assert "--out is the folder of the videos" in capsys.readouterr().err
+    Path("results/day0").mkdir(parents=True)
+    Path("results/day0/ball0.mp4").write_text("something of mine")
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 2
+    assert "is not of a batch" in capsys.readouterr().err
+    assert Path("results/day0/ball0.mp4").read_text() == "something of mine"
+    assert {path: path.read_bytes() for path in clips.rglob("*.mp4")} == before
+
+
 def test_a_copied_video_is_known_by_its_content(
     matchset: Matchset, pools: list[HerePool], clips: Path, color: Path
 ) -> None:
@@ -236,7 +256,7 @@ def test_clicks(matchset: Matchset, pools: list[HerePool], clips: Path) -> None:
             "give one of --jobs and --scheduler",
         ),
         (("--color", "ball.npz", "--locate", "--shape", "ellipse"), "--shape and --gray are of 'track'"),
-        (("--color", "ball.npz", "--split", 5), "--split must be longer than 10 s"),
+        (("--color", "ball.npz", "--split", 5), "--split must be 20 s at least"),
         (("--color", "ball.npz", "--split", 60, "--films"), "--films is of whole videos"),
         (("--color", "ball.npz", "--split", 60, "--all", "--smooth"), "--smooth is of whole videos"),
         (("--color", "ball.npz", "--most", 3), "--most is of several targets"),

@@ -1,10 +1,11 @@
 """Which videos a batch has."""
 
+import os
 from pathlib import Path
 
 import pytest
 
-from matchset.batch.jobs.videos import VideoList, folder_of
+from matchset.batch.jobs.videos import VideoList, folder_of, plain_name, plain_words, real_name
 
 
 @pytest.fixture
@@ -67,6 +68,14 @@ def test_folders_of_results() -> None:
     assert folder_of("/data/clips/a\n/100%.mp4", root) == "a%0A/100%25.mp4"
     assert folder_of("/other/x.mp4", root) == "elsewhere/other/x.mp4"
     assert folder_of("/data/clips/..x.mp4", root) == "..x.mp4"
+
+
+def test_long_names_are_shortened_and_stay_apart() -> None:
+    names = [folder_of(f"/data/{os.fsdecode(bytes([0xE4]) * 120)}{end}.mp4", Path("/data")) for end in "ab"]
+    assert names[0] != names[1]
+    assert all(len(name.encode()) <= 200 for name in names)
+    assert plain_words(os.fsdecode(b"a\xff")).isascii()
+    assert real_name(plain_name("/a\n/100%.mp4")) == "/a\n/100%.mp4"
 
 
 def test_hundred_thousand_videos_take_little_memory(tmp_path: Path) -> None:

@@ -53,6 +53,14 @@ def test_click_answers_a_question(page: ClickPage, tmp_path: Path) -> None:
     assert not page.waits
 
 
+def test_a_click_waits_until_somebody_takes_it(page: ClickPage) -> None:
+    page.ask(doubtful("a"))
+    page.answer(0, 3.0, 4.0)
+    assert page.waits  # nothing is asked any more, but a job comes of it
+    assert len(page.clicks()) == 1
+    assert not page.waits
+
+
 @pytest.mark.parametrize("path", ["click/0?x=1e9&y=2", "click/0?y=2", "click/0?x=nan&y=2", "click/7?x=1&y=2", "skip/7"])
 def test_wrong_answers_are_refused(page: ClickPage, path: str) -> None:
     page.ask(doubtful("a"))

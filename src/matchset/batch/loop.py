@@ -69,7 +69,10 @@ class Batch:
     def _take(self, answer: Answer) -> None:
         if answer.error is not None:
             raise answer.error
-        if answer.outcome is None or answer.outcome.state == "stopped":
+        if answer.outcome is None:
+            return
+        if answer.outcome.state == "stopped":  # by somebody who has stopped its worker alone, or all
+            self._queue.append(answer.job)
             return
         if answer.job.stretch is not None:
             ended = self._parts.ended(answer.job, answer.outcome)
@@ -91,7 +94,7 @@ class Batch:
         jobs = list[Job]()
         for click in self._clicker.clicks():
             video = real_name(click.video)
-            self._plan.choice.add(video, click.pick)
+            self._plan.choice.add(click.folder, click.pick)
             try:
                 jobs.append(self._plan.again(video, click.folder))
             except ValueError as error:

@@ -9,7 +9,7 @@ from matchset.batch.jobs.identity import code_digest, stat_of
 from matchset.batch.jobs.job import DONE, Job, VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.video_options import settings_digest
-from matchset.batch.jobs.videos import VideoList, folder_of, plain_name
+from matchset.batch.jobs.videos import VideoList, folder_of, plain_name, plain_words
 from matchset.batch.jobs.work import kept_outcome
 from matchset.batch.options import BatchOptions
 from matchset.batch.results.manifest import Manifest
@@ -83,8 +83,8 @@ class Plan:
         return self.job(video, folder, stat_of(video)[0])
 
     def _unless_known(self, failed: VideoOutcome, reason: str) -> VideoOutcome | None:
-        known = self._manifest.is_done(failed.video, failed.size, failed.modified, "", not self._retry)
-        return None if known else msgspec.structs.replace(failed, reason=reason)
+        known = self._manifest.is_done(failed, not self._retry)
+        return None if known else msgspec.structs.replace(failed, reason=plain_words(reason))
 
     def _of(self, video: str, folder: str) -> Job | VideoOutcome | None:
         size, modified = stat_of(video)
@@ -96,7 +96,7 @@ class Plan:
             return self._unless_known(failed, str(error))
         if not size and not modified:
             return self._unless_known(failed, "no such file")
-        if self._manifest.is_done(name, size, modified, job.settings, not self._retry):
+        if self._manifest.is_done(msgspec.structs.replace(failed, settings=job.settings), not self._retry):
             return None
         kept = kept_outcome(self._store, job)  # a batch that was killed between both
         if kept is not None and (kept.size, kept.modified) == (size, modified) and kept.video == name:

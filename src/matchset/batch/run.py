@@ -3,6 +3,7 @@
 import contextlib
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -42,8 +43,9 @@ def run_batch(options: BatchOptions) -> int:
     if videos.twice:
         print_note(f"{videos.twice} videos are listed twice: each is done once")
     store, out = opened_store(options.out)
-    clicked = store.path / CLICKS if isinstance(store, FolderStore) else None
-    choice = TargetChoice(options, clicked)
+    if os.path.realpath(out) == os.path.realpath(videos.common):
+        raise ValueError(f"--out is the folder of the videos, {videos.common}: give the results one of their own")
+    choice = chosen_with(options, store)
     with lock_of(store, out) as lock, Manifest(store, videos.common) as manifest, StopRequest() as stop:
         plan = Plan(videos, choice, store, manifest, out, options)
         store.write(MARK, plan.mark.encode())
@@ -55,6 +57,17 @@ def run_batch(options: BatchOptions) -> int:
             return stop.code
         total = write_report(store, manifest, plan)
     return FOUND if total.good else NOT_FOUND
+
+
+def chosen_with(options: BatchOptions, store: Store) -> TargetChoice:
+    """Return what is followed, with the clicks of earlier pages."""
+    clicked = store.read(CLICKS)
+    if clicked is None:
+        return TargetChoice(options)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / CLICKS
+        path.write_bytes(clicked)
+        return TargetChoice(options, path)
 
 
 def opened_store(out: str) -> tuple[Store, str]:
@@ -75,7 +88,7 @@ def _work(
     lock, stop = held
     clear_unfinished(plan.out)
     clicker = _clicker(options, plan)
-    if options.page:
+    if options.page and not options.retry:
         for outcome in doubtful(manifest, plan):
             clicker.ask(outcome)
     batch = Batch(plan, manifest, counts, clicker)
@@ -91,7 +104,9 @@ def doubtful(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
     with manifest.by_folder() as outcomes:
         for video in plan.videos:
             outcome = outcomes.last(folder_of(video, manifest.root))
-            if outcome is not None and outcome.state == "doubtful":
+            if outcome is None or outcome.state != "doubtful":
+                continue
+            if outcome.settings == plan.again(video, outcome.folder).settings:  # nobody has clicked in it since
                 yield outcome
 
 

@@ -81,7 +81,7 @@ class ClickPage:
     @property
     def waits(self) -> bool:
         """See `Clicker`."""
-        return any(not question.answer for question in self._questions)
+        return not self._clicked.empty() or any(not question.answer for question in self._questions)
 
     def ask(self, outcome: VideoOutcome) -> None:
         """See `Clicker`."""
@@ -114,11 +114,12 @@ class ClickPage:
         with self._lock:
             question, outcome = self._open(number)
             frame = outcome.click.partition("@")[2] or "0"
-            question.answer = f"{x:g},{y:g}@{frame}"
+            pick = f"{x:g},{y:g}@{frame}"
             old = self._store.read(self._name) or HEADING.encode()
             line = click_line(outcome.folder, int(frame), x, y)
             self._store.write(self._name, old + line.encode())
-        self._clicked.put(GivenClick(outcome.video, outcome.folder, question.answer))
+            self._clicked.put(GivenClick(outcome.video, outcome.folder, pick))
+            question.answer = pick
 
     def skip(self, number: int) -> None:
         """Leave a video as it is (ValueError as for `answer`)."""

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import os
 from pathlib import Path
 
 from matchset.app.tables import CsvLine, read_csv
@@ -18,6 +17,8 @@ class ClickTable:
     ----------
     path : Path or None
         A table with the columns video, frame, x, y; a video may have several rows, a target each. None: no clicks.
+    of_page : bool
+        Whether a page has written it: videos by their names in the results alone, and the last click counts.
 
     Raises
     ------
@@ -25,7 +26,8 @@ class ClickTable:
         If it cannot be read; with the line.
     """
 
-    def __init__(self, path: Path | None = None) -> None:
+    def __init__(self, path: Path | None = None, of_page: bool = False) -> None:
+        self._of_page = of_page
         self._picks: dict[str, list[str]] = {}
         self._folder = Path() if path is None else path.parent
         for line in [] if path is None else read_csv(path, COLUMNS):
@@ -33,8 +35,10 @@ class ClickTable:
 
     def add(self, video: str, pick: str) -> None:
         """Add a click, X,Y@FRAME; one that is there already counts once."""
-        picks = self._picks.setdefault(os.fspath(video), [])
-        if pick not in picks:
+        picks = self._picks.setdefault(video, [])
+        if self._of_page:
+            picks[:] = [pick]
+        elif pick not in picks:
             picks.append(pick)
 
     def of(self, video: str, folder: str) -> list[str]:
@@ -47,7 +51,11 @@ class ClickTable:
         folder : str
             Its name in the results.
         """
-        names = video, folder, os.path.relpath(video, self._folder.absolute()), Path(video).name
+        if self._of_page:
+            return self._picks.get(folder, [])
+        path, near = Path(video), self._folder.absolute()
+        beside = [path.relative_to(near).as_posix()] if path.is_relative_to(near) else []
+        names = video, folder, *beside, path.name
         return next((self._picks[name] for name in names if name in self._picks), [])
 
 

@@ -45,7 +45,8 @@ class TargetChoice:
             for path in [] if any("=" in str(path) for path in target.color or ()) else target.color or ():
                 ColorModel.load(path)  # a wrong file is said before thousands of videos fail by it
         self._given, self._base = given, absolute(options_for(options, ""))
-        self._clicks = [ClickTable(path) for path in (choice.clicks, more) if path is not None and path.is_file()]
+        self._page = ClickTable(more, of_page=True)
+        self._clicks = ClickTable(choice.clicks if choice.clicks is not None and choice.clicks.is_file() else None)
         if choice.clicks is not None and not choice.clicks.is_file():
             raise ValueError(f"no such file: {choice.clicks}")
 
@@ -57,7 +58,7 @@ class TargetChoice:
         ValueError
             If nothing says what to follow in it; in words.
         """
-        picks = [pick for clicks in self._clicks for pick in clicks.of(video, folder)]
+        picks = self._page.of(video, folder) or self._clicks.of(video, folder)
         if picks:
             return self._with(picks=picks, color=None, candidate=None, hsv=None), False
         choice = self._options.choice
@@ -67,10 +68,9 @@ class TargetChoice:
             raise ValueError("no click says what to follow in it")
         return self._base, choice.auto
 
-    def add(self, video: str, pick: str) -> None:
-        """Take one more click."""
-        self._clicks.insert(0, ClickTable())
-        self._clicks[0].add(video, pick)
+    def add(self, folder: str, pick: str) -> None:
+        """Take one more click of the page, in a video by its name in the results."""
+        self._page.add(folder, pick)
 
     def _with(self, **target: object) -> Options:
         changed = msgspec.structs.replace(self._base.target, **target)

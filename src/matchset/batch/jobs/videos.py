@@ -1,5 +1,6 @@
 """Which videos a batch has, one after the other: `VideoList`, from folders, lists and names with wildcards."""
 
+import hashlib
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +10,7 @@ from urllib.parse import unquote_to_bytes
 SUFFIXES = {".3gp", ".asf", ".avi", ".bag", ".db3", ".flv", ".m2ts", ".m4v", ".mcap", ".mjpeg", ".mjpg"}
 SUFFIXES |= {".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".ts", ".webm", ".wmv", ".y4m"}
 FORBIDDEN = '%:*?"<>|\\'  # format: in names of files, on one system or another; and what marks them here
+LONGEST = 200  # format: bytes of a part of a name in the results; file systems take 255
 LISTS = frozenset((".txt", ".lst", ".list"))  # format: endings of lists, a video in each line
 
 
@@ -31,7 +33,7 @@ class VideoList:
     """
 
     def __init__(self, sources: list[str], out: str = "") -> None:
-        self._sources, self._out = sources, os.fspath(Path(out).absolute()) if out else ""
+        self._sources, self._out = sources, os.path.realpath(out) if out else ""
         self.count = self.twice = 0
         common: str | None = None
         for path in self:
@@ -76,7 +78,7 @@ def _expanded(source: str, out: str) -> Iterator[str]:
 
 def _in_folder(folder: Path, out: str) -> Iterator[str]:
     for place, folders, files in os.walk(folder.absolute()):
-        folders[:] = sorted(name for name in folders if os.fspath(Path(place, name)) != out)
+        folders[:] = sorted(name for name in folders if not out or os.path.realpath(Path(place, name)) != out)
         for name in sorted(files):
             path = Path(place, name)
             if path.suffix.lower() in SUFFIXES:
@@ -122,7 +124,20 @@ def folder_of(video: str, root: Path) -> str:
     path = Path(video)
     inside = path.is_relative_to(root)
     parts = path.relative_to(root).parts if inside else ("elsewhere", *path.parts[1:])
-    return "/".join(_plain(part, FORBIDDEN) for part in parts)
+    return "/".join(_short(_plain(part, FORBIDDEN)) for part in parts)
+
+
+def _short(part: str) -> str:
+    """Shorten what no file system takes; a check sum keeps it apart from others."""
+    data = part.encode()
+    if len(data) <= LONGEST:
+        return part
+    return data[: LONGEST - 20].decode(errors="ignore") + "-" + hashlib.sha256(data).hexdigest()[:16]
+
+
+def plain_words(text: str) -> str:
+    """Write words that may quote names that are no text."""
+    return text.encode(errors="replace").decode()
 
 
 def plain_name(video: str) -> str:

@@ -17,7 +17,7 @@ from matchset.batch.jobs.counts import counts_in
 from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
 from matchset.batch.jobs.job import DONE, Job, State, VideoOutcome
 from matchset.batch.jobs.video_options import Options
-from matchset.batch.jobs.videos import plain_name
+from matchset.batch.jobs.videos import plain_name, plain_words
 from matchset.batch.results.store import RUN, Store, store_at
 from matchset.batch.split.joining import MisfitError
 from matchset.batch.split.stretch_work import join_stretches, stretch_folder, stretch_options
@@ -83,6 +83,7 @@ def do_job(job: Job) -> VideoOutcome:
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
             if outcome.state != "stopped":
                 _name_results(folder / LOG, folder, job.folder)
+                _check_worker(job, store)  # a batch that was killed has another mark than the one that goes on
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
                 store.keep(folder, job.folder)
                 for number in range(job.parts):
@@ -178,7 +179,8 @@ def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> VideoOutcome:
         return _outcome(job, "stopped", "stopped")
     frames, found = counts_in(folder)
     state: State = "found" if found else "not found"
-    doubt = doubt_afterwards(frames, found) if job.auto else ""
+    whole = job.auto and job.stretch is None and chosen.click
+    doubt = doubt_afterwards(frames, found) if whole else ""
     if doubt:
         write_frame(job, chosen.click, folder)
         state, chosen = "doubtful", msgspec.structs.replace(chosen, words=doubt)
@@ -193,7 +195,7 @@ def _outcome(
         folder=job.folder,
         settings=job.settings,
         state=state,
-        reason=reason,
+        reason=plain_words(reason),
         worker=worker_name(),
         click=click,
         size=size,

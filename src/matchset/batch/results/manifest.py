@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +19,7 @@ from matchset.media.closing import Closing
 
 FORMAT = 1  # format: of the manifest
 FILE, PARTS = "manifest.jsonl", "manifest"
+PART = re.compile(r"\d{8}\.jsonl")
 
 
 class ManifestParameters(msgspec.Struct, frozen=True):
@@ -72,7 +74,7 @@ class Manifest(Closing):
 
     def __init__(self, store: Store, root: Path) -> None:
         self._store, self._waiting, self._parts = store, list[bytes](), 0
-        self._done, self._failed = set[bytes](), set[bytes]()
+        self._ended: dict[int, tuple[bytes, bool]] = {}  # of each folder the last: what it was, and whether it is done
         self._dropped = 0
         heading: Heading | None = None
         for line in self._lines():
@@ -93,20 +95,18 @@ class Manifest(Closing):
         if heading is None:
             self._write(msgspec.json.encode(Heading(matchset_batch=FORMAT, root=str(root))))
 
-    def is_done(self, video: str, size: int, modified: int, settings: str, failed_too: bool) -> bool:
+    def is_done(self, outcome: VideoOutcome, failed_too: bool) -> bool:
         """Whether a video has ended, as it is now and with these settings.
 
         Parameters
         ----------
-        video : str
-        size, modified : int
-            See `stat_of`.
-        settings : str
+        outcome : VideoOutcome
+            With its name, folder, size, time of change and settings as they are now.
         failed_too : bool
             Whether one that failed counts.
         """
-        key = done_key(video, size, modified, settings)
-        return key in self._done or (failed_too and key in self._failed)
+        key, done = self._ended.get(hash(outcome.folder), (b"", False))
+        return key == key_of(outcome) and (done or failed_too)
 
     def append(self, outcome: VideoOutcome) -> None:
         """Note what became of a video.
@@ -136,8 +136,7 @@ class Manifest(Closing):
             self._file = None
 
     def _note(self, outcome: VideoOutcome) -> None:
-        key = done_key(outcome.video, outcome.size, outcome.modified, outcome.settings)
-        (self._done if outcome.state in DONE else self._failed).add(key)
+        self._ended[hash(outcome.folder)] = key_of(outcome), outcome.state in DONE
 
     def _write(self, line: bytes) -> None:
         if self._file is not None:
@@ -160,7 +159,7 @@ class Manifest(Closing):
                 with path.open("rb") as file:
                     yield from (line for line in file if line.endswith(b"\n"))
             return
-        for name in self._store.names(PARTS):
+        for name in filter(PART.fullmatch, self._store.names(PARTS)):
             self._parts = max(self._parts, int(name.split(".")[0]) + 1)
             yield from (self._store.read(f"{PARTS}/{name}") or b"").splitlines()
 
@@ -191,6 +190,11 @@ class KeptOutcomes:
             return None
         self._file.seek(place)
         return _outcome(self._file.readline())
+
+
+def key_of(outcome: VideoOutcome) -> bytes:
+    """Return what a video that has ended is known by."""
+    return done_key(outcome.video, outcome.size, outcome.modified, outcome.settings)
 
 
 def _opened(path: Path) -> int:

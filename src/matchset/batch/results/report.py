@@ -52,7 +52,7 @@ class Totals:
     def __init__(self) -> None:
         self.states: dict[str, int] = {}
         self.shares = [0] * BINS
-        self.frames = self.found = self.count = 0
+        self.frames = self.found = self.count = self.missing = 0
         self._worst: list[tuple[float, int, VideoOutcome]] = []
 
     def add(self, outcome: VideoOutcome) -> None:
@@ -75,7 +75,7 @@ class Totals:
     @property
     def good(self) -> bool:
         """Whether a ball was found in every video."""
-        return set(self.states) <= {"found"}
+        return set(self.states) <= {"found"} and not self.missing
 
 
 def write_report(store: Store, manifest: Manifest, plan: Plan) -> Totals:
@@ -96,7 +96,7 @@ def write_report(store: Store, manifest: Manifest, plan: Plan) -> Totals:
         with AllRows(folder) as rows, (folder / "videos.csv").open("w", encoding="utf-8", newline="") as text:
             table = csv.writer(text, lineterminator="\n")
             table.writerow(COLUMNS)
-            for outcome in _in_order(manifest, plan):
+            for outcome in _in_order(manifest, plan, totals):
                 totals.add(outcome)
                 table.writerow(_cells(outcome))
                 if outcome.frames and (found := _table(store, outcome.folder)) is not None:
@@ -107,18 +107,17 @@ def write_report(store: Store, manifest: Manifest, plan: Plan) -> Totals:
     return totals
 
 
-def _in_order(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
+def _in_order(manifest: Manifest, plan: Plan, totals: Totals) -> Iterator[VideoOutcome]:
     """Yield the last outcome of each video, in the order of the videos."""
     with manifest.by_folder() as outcomes:
-        missing = 0
         for video in plan.videos:
             outcome = outcomes.last(folder_of(video, manifest.root))
             if outcome is None:
-                missing += 1
+                totals.missing += 1
             else:
                 yield outcome
-    if missing:
-        print_note(f"{missing} videos are not done yet: the same command goes on")
+    if totals.missing:
+        print_note(f"{totals.missing} videos are not done yet: the same command goes on")
 
 
 def _table(store: Store, folder: str) -> bytes | None:

@@ -73,6 +73,8 @@ class FolderStore:
         place = self.path / name
         place.parent.mkdir(parents=True, exist_ok=True)
         if place.exists():
+            if not (place / RUN).is_file():  # whatever that is, it is not ours to replace
+                raise ValueError(f"{place} is not of a batch: choose another --out")
             place.replace(folder.with_name(folder.name + "-old"))
         folder.replace(place)
         shutil.rmtree(folder.with_name(folder.name + "-old"), ignore_errors=True)
@@ -144,10 +146,10 @@ class RemoteStore:
         old = set(self.names(name)) - {path.name for path in paths}
         if RUN in self.names(name):  # what is being replaced is not finished any more
             self._files.rm_file(self._at(f"{name}/{RUN}"))
-        for path in paths:
-            self.write(f"{name}/{path.name}", path.read_bytes())
         for each in old - {RUN}:
             self._files.rm_file(self._at(f"{name}/{each}"))
+        for path in paths:
+            self.write(f"{name}/{path.name}", path.read_bytes())
 
     def read(self, name: str) -> bytes | None:
         """See `Store`."""

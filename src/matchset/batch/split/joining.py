@@ -7,6 +7,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 import msgspec
+import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from matchset.media.video_stretch import StretchMark
 
@@ -111,6 +113,8 @@ def joined(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS) -> tu
     for number, part in enumerate(parts):
         cut = None if number + 1 == len(parts) else cut_between(part, parts[number + 1], parameters)
         end = math.inf if cut is None else cut.frame + cut.shift
+        if not begin < end:
+            raise MisfitError("two stretches overlap a third one at the same place")
         for frame, rows in part.rows.items():
             if begin <= frame < end:
                 writer.writerows(_renamed(part, rows, frame + shift, names))
@@ -174,10 +178,13 @@ def _same_targets(
     votes: Counter[tuple[str, str]] = Counter()
     for frame in common:
         before = list(_places(one, one.rows.get(frame + shift, [])))
-        for name, x, y, size in _places(other, other.rows.get(frame, [])):
-            for old, old_x, old_y, _ in before:
-                if math.hypot(x - old_x, y - old_y) < parameters.near * size:
-                    votes[name, old] += 1
+        after = list(_places(other, other.rows.get(frame, [])))
+        apart = np.array([[math.dist(new[1:3], old[1:3]) for old in before] for new in after]).reshape(
+            len(after), len(before)
+        )
+        for row, column in zip(*linear_sum_assignment(apart), strict=True):
+            if apart[row, column] < parameters.near * after[row][3]:
+                votes[after[row][0], before[column][0]] += 1
     names: dict[str, str] = {}
     for (name, old), _ in votes.most_common():
         if name not in names and old not in names.values():

@@ -31,8 +31,8 @@ def check_split(options: BatchOptions) -> None:
     """Refuse what is not there in stretches (ValueError)."""
     if options.worker.split is None:
         return
-    if options.worker.split <= PARAMETERS.overlap:
-        raise ValueError(f"--split must be longer than {PARAMETERS.overlap:g} s, got {options.worker.split:g}")
+    if options.worker.split < 2.0 * PARAMETERS.overlap:
+        raise ValueError(f"--split must be {2.0 * PARAMETERS.overlap:g} s at least, got {options.worker.split:g}")
     whole = {
         "--smooth": options.several.smooth,
         "--films": options.films,

@@ -12,7 +12,7 @@ import msgspec
 from matchset.batch.jobs.identity import stat_of
 from matchset.batch.jobs.job import Job
 from matchset.batch.jobs.work import UnfitWorkerError, do_job
-from matchset.batch.workers.pool import RETRY, Answer, died
+from matchset.batch.workers.pool import RETRY, Answer, died, vanished
 from matchset.batch.workers.worker import use_one_thread, warm_up
 from matchset.image.errors import LinkError
 from matchset.numeric.imports import advice
@@ -124,9 +124,14 @@ class DaskCluster:
             self._waiting.append(job)
             return
         named = list(self._fit) if self._unfit else None  # a list of thousands costs the scheduler more than the task
-        future = self._client.submit(do_job, job, workers=named, pure=False)
+        try:
+            future = self._client.submit(do_job, job, workers=named, pure=False)
+        except Exception:
+            if self._client.status == "running":
+                raise
+            raise LinkError(self._gone) from None
         self._jobs[future] = job
-        self._begun.setdefault(job.video, time.monotonic())
+        self._begun.setdefault(job.folder, time.monotonic())
         future.add_done_callback(self._ended.put)
 
     def answers(self, wait: float) -> list[Answer]:
@@ -166,10 +171,12 @@ class DaskCluster:
             return None
         error = future.exception() if future.status == "error" else None
         if isinstance(error, UnfitWorkerError):
+            if stat_of(job.video) == (0, 0):
+                return Answer(job, vanished(job))
             self._refuse(error)
             self._waiting.append(job)
             return None
-        self._begun.pop(job.video, None)
+        self._begun.pop(job.folder, None)
         if type(error).__name__ == "KilledWorker":
             size, modified = stat_of(job.video)
             return Answer(job, msgspec.structs.replace(died(job, RETRY.deaths), size=size, modified=modified))

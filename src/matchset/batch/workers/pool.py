@@ -58,7 +58,7 @@ class Pool(Protocol):
 
     @property
     def running(self) -> dict[str, float]:
-        """Videos that are being worked on, and since when, s on the clock of `time.monotonic`."""
+        """Folders of the videos that are being worked on, and since when, s on the clock of `time.monotonic`."""
         ...
 
     def give(self, job: Job) -> None:
@@ -80,6 +80,17 @@ class Pool(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
+
+
+def vanished(job: Job) -> VideoOutcome:
+    """Return what is said of a video that is not there any more."""
+    return VideoOutcome(
+        video=plain_name(job.video),
+        folder=job.folder,
+        settings=job.settings,
+        state="failed",
+        reason="no such file any more",
+    )
 
 
 def died(job: Job, deaths: int) -> VideoOutcome:

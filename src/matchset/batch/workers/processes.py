@@ -13,8 +13,8 @@ import msgspec
 
 from matchset.batch.jobs.identity import stat_of
 from matchset.batch.jobs.job import Job, VideoOutcome
-from matchset.batch.jobs.work import do_job
-from matchset.batch.workers.pool import RETRY, Answer, died
+from matchset.batch.jobs.work import UnfitWorkerError, do_job
+from matchset.batch.workers.pool import RETRY, Answer, died, vanished
 from matchset.batch.workers.worker import THREADS, begin_worker, warm_up
 
 
@@ -91,7 +91,7 @@ class Processes:
     @property
     def running(self) -> dict[str, float]:
         """See `Pool`."""
-        return {slot.job.video: slot.begun for slot in self._slots if slot.job is not None}
+        return {slot.job.folder: slot.begun for slot in self._slots if slot.job is not None}
 
     def give(self, job: Job) -> None:
         """See `Pool`."""
@@ -124,6 +124,8 @@ class Processes:
             self._again.append(job)
             return None
         self._deaths.pop(job.video, None)
+        if isinstance(error, UnfitWorkerError) and stat_of(job.video) == (0, 0):
+            return Answer(job, vanished(job))
         return Answer(job, error=error) if isinstance(error, Exception) else Answer(job, future.result())
 
     def __exit__(

@@ -17,7 +17,7 @@ from matchset.batch.loop import Batch
 from matchset.batch.options import BatchOptions
 from matchset.batch.plan import Plan
 from matchset.batch.progress import BatchCounts, BatchDisplay
-from matchset.batch.results.lock import Lock, lock_of
+from matchset.batch.results.lock import lock_of
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.report import write_report
 from matchset.batch.results.store import UNFINISHED, FolderStore, Store, store_at
@@ -46,11 +46,11 @@ def run_batch(options: BatchOptions) -> int:
     if os.path.realpath(out) == os.path.realpath(videos.common):
         raise ValueError(f"--out is the folder of the videos, {videos.common}: give the results one of their own")
     choice = chosen_with(options, store)
-    with lock_of(store, out) as lock, Manifest(store, videos.common) as manifest, StopRequest() as stop:
+    with lock_of(store, out), Manifest(store, videos.common) as manifest, StopRequest() as stop:
         plan = Plan(videos, choice, store, manifest, out, options)
         store.write(MARK, plan.mark.encode())
         counts = BatchCounts(videos.count)
-        _work(options, plan, manifest, counts, (lock, stop))
+        _work(options, plan, manifest, counts, stop)
         print(counts.words)
         if stop:
             print_note("stopped: the same command goes on")
@@ -82,10 +82,7 @@ def opened_store(out: str) -> tuple[Store, str]:
     return store, os.fspath(store.path)
 
 
-def _work(
-    options: BatchOptions, plan: Plan, manifest: Manifest, counts: BatchCounts, held: tuple[Lock, StopRequest]
-) -> None:
-    lock, stop = held
+def _work(options: BatchOptions, plan: Plan, manifest: Manifest, counts: BatchCounts, stop: StopRequest) -> None:
     clear_unfinished(plan.out)
     clicker = _clicker(options, plan)
     if options.page and not options.retry:
@@ -95,7 +92,6 @@ def _work(
     with contextlib.closing(clicker), _pool(options) as pool, BatchDisplay(counts) as display:
         while not stop and batch.step(pool):
             display.show(pool)
-            lock.beat()
         display.show(pool)
 
 
@@ -106,8 +102,9 @@ def doubtful(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
             outcome = outcomes.last(folder_of(video, manifest.root))
             if outcome is None or outcome.state != "doubtful":
                 continue
-            if outcome.settings == plan.again(video, outcome.folder).settings:  # nobody has clicked in it since
-                yield outcome
+            with contextlib.suppress(ValueError):  # nothing says any more what to follow in it: its row says so
+                if outcome.settings == plan.again(video, outcome.folder).settings:  # nobody has clicked in it since
+                    yield outcome
 
 
 def clear_unfinished(out: str) -> None:

@@ -1,7 +1,9 @@
 """Two batches into one folder are refused: `FolderLock`, and `RemoteLock` where there are no locks of files."""
 
+import contextlib
 import os
 import sys
+import threading
 import time
 from types import TracebackType
 from typing import Protocol, Self
@@ -42,10 +44,6 @@ class Owner(msgspec.Struct, frozen=True):
 class Lock(Protocol):
     """Held while a batch runs."""
 
-    def beat(self) -> None:
-        """Say that the batch still runs."""
-        ...
-
     def __enter__(self) -> Self: ...
 
     def __exit__(
@@ -68,9 +66,6 @@ class FolderLock:
 
     def __init__(self, store: FolderStore) -> None:
         self._path, self._file = store.path / LOCK, -1
-
-    def beat(self) -> None:
-        """Nothing is to be said: the system knows."""
 
     def __enter__(self) -> Self:
         self._file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -103,7 +98,7 @@ def _lock(file: int) -> None:
 
 
 class RemoteLock:
-    """A file that says who runs, and when it said so last.
+    """A file that says who runs, and when it said so last; a thread says it again and again.
 
     Parameters
     ----------
@@ -113,14 +108,16 @@ class RemoteLock:
     """
 
     def __init__(self, store: Store, where: str) -> None:
-        self._store, self._where, self._said = store, where, 0.0
+        self._store, self._where, self._ends = store, where, threading.Event()
+        self._thread = threading.Thread(target=self._beat, name="matchset batch lock", daemon=True)
 
-    def beat(self) -> None:
-        """Say that the batch still runs."""
-        now = time.time()
-        if now - self._said >= PARAMETERS.beat:
-            self._store.write(LOCK, msgspec.json.encode(Owner(worker_name(), now)))
-            self._said = now
+    def _beat(self) -> None:
+        while not self._ends.wait(PARAMETERS.beat):
+            with contextlib.suppress(OSError):  # the network is away: the next beat says it
+                self._say()
+
+    def _say(self) -> None:
+        self._store.write(LOCK, msgspec.json.encode(Owner(worker_name(), time.time())))
 
     def __enter__(self) -> Self:
         text = self._store.read(LOCK)
@@ -130,12 +127,15 @@ class RemoteLock:
             owner = Owner("")
         if abs(time.time() - owner.time) < PARAMETERS.dead:
             raise ValueError(f"another batch writes into {self._where}: {owner.name}")
-        self.beat()
+        self._say()
+        self._thread.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._ends.set()
+        self._thread.join()
         self._store.write(LOCK, msgspec.json.encode(Owner("")))
 
 

@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,7 +19,7 @@ from matchset.batch.progress import BatchCounts, BatchDisplay
 from matchset.batch.results.lock import lock_of
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.report import write_report
-from matchset.batch.results.store import UNFINISHED, FolderStore, Store, store_at
+from matchset.batch.results.store import FolderStore, Store, store_at
 from matchset.batch.split.parts import check_split
 from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
@@ -48,6 +47,7 @@ def run_batch(options: BatchOptions) -> int:
     choice = chosen_with(options, store)
     with lock_of(store, out), Manifest(store, videos.common) as manifest, StopRequest() as stop:
         plan = Plan(videos, choice, store, manifest, out, options)
+        store.clear()
         store.write(MARK, plan.mark.encode())
         counts = BatchCounts(videos.count)
         _work(options, plan, manifest, counts, stop)
@@ -71,7 +71,7 @@ def chosen_with(options: BatchOptions, store: Store) -> TargetChoice:
 
 
 def opened_store(out: str) -> tuple[Store, str]:
-    """Return the store that `--out` names, made if it is not there, and its whole name; what was left over is gone."""
+    """Return the store that `--out` names, made if it is not there, and its whole name."""
     store = store_at(out)
     if not isinstance(store, FolderStore):
         return store, out
@@ -83,7 +83,6 @@ def opened_store(out: str) -> tuple[Store, str]:
 
 
 def _work(options: BatchOptions, plan: Plan, manifest: Manifest, counts: BatchCounts, stop: StopRequest) -> None:
-    clear_unfinished(plan.out)
     clicker = _clicker(options, plan)
     if options.page and not options.retry:
         for outcome in doubtful(manifest, plan):
@@ -105,12 +104,6 @@ def doubtful(manifest: Manifest, plan: Plan) -> Iterator[VideoOutcome]:
             with contextlib.suppress(ValueError):  # nothing says any more what to follow in it: its row says so
                 if outcome.settings == plan.again(video, outcome.folder).settings:  # nobody has clicked in it since
                     yield outcome
-
-
-def clear_unfinished(out: str) -> None:
-    """Remove what a batch that was killed was writing."""
-    if "://" not in out:
-        shutil.rmtree(Path(out) / UNFINISHED, ignore_errors=True)
 
 
 def _clicker(options: BatchOptions, plan: Plan) -> Clicker:

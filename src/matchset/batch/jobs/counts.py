@@ -1,9 +1,17 @@
-"""How many frames a table has, and in how many something was found: `counts_in`."""
+"""The table of a video (`kept_table`), how many frames it has, and in how many something was found (`counts_in`)."""
 
 import csv
 from pathlib import Path
 
+from matchset.batch.results.store import Store
+
 TABLES = "tracks.csv", "poses.csv"
+
+
+def kept_table(store: Store, folder: str) -> tuple[str, bytes] | None:
+    """Return name and content of the table in the folder of a video's results; None if there is none."""
+    tables = ((name, store.read(f"{folder}/{name}")) for name in TABLES)
+    return next(((name, data) for name, data in tables if data is not None), None)
 
 
 def table_in(folder: Path) -> Path | None:

@@ -95,8 +95,6 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
         Its check sum (CRC-32).
     click : str
         Where it was clicked by `--auto`, X,Y@FRAME.
-    stretch : int or None
-        Which part it is.
     """
 
     video: str
@@ -112,7 +110,6 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
     modified: int = 0
     content: str = ""
     click: str = ""
-    stretch: int | None = None
 
     @property
     def share(self) -> float:

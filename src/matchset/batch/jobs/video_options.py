@@ -1,15 +1,14 @@
 """What `track` or `locate` is told for one video of a batch: `track_options`, `locate_options`, `settings_digest`."""
 
 import hashlib
-import re
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from matchset.app.cli_options import ShownOptions
+from matchset.app.cli_options import SeveralTargetOptions, ShownOptions, shape_file
 from matchset.app.locate.options import LocateOptions
-from matchset.app.several.options import MotOptions, named_color
+from matchset.app.several.options import MotOptions, color_files, named_color
 from matchset.app.track.options import TrackOptions
 from matchset.batch.options import BatchOptions
 
@@ -45,7 +44,7 @@ def locate_options(options: BatchOptions, video: str) -> LocateOptions:
     return LocateOptions(
         source=video,
         view=options.view,
-        target=msgspec.convert(target, type(LocateOptions(source="").target)),
+        target=msgspec.convert(target, SeveralTargetOptions),
         several=options.several,
         camera=located.camera,
         fov=located.fov,
@@ -73,9 +72,10 @@ def absolute(options: Options) -> Options:
         colors = [path.absolute() for path in changed.marker.marker_color]
         return msgspec.structs.replace(changed, marker=msgspec.structs.replace(changed.marker, marker_color=colors))
     if isinstance(changed, TrackOptions):
-        name, behind, affine = changed.shape.partition(":affine")
-        if Path(name).is_file():
-            return msgspec.structs.replace(changed, shape=f"{Path(name).absolute()}{behind}{affine}")
+        picture = shape_file(changed.shape)
+        if picture.is_file():
+            _, behind, affine = changed.shape.partition(":affine")
+            return msgspec.structs.replace(changed, shape=f"{picture.absolute()}{behind}{affine}")
     return changed
 
 
@@ -104,8 +104,8 @@ def settings_digest(options: Options, more: str = "") -> str:
 def files_in(options: Options) -> list[Path]:
     """Return the files that options name, the video left out."""
     marker = getattr(options, "marker", None)
-    colors = [named_color(path)[1] for path in options.target.color or ()]
-    shape = [Path(re.sub(r":affine$", "", options.shape))] if isinstance(options, TrackOptions) else []
+    colors = color_files(options.target.color)
+    shape = [shape_file(options.shape)] if isinstance(options, TrackOptions) else []
     others = [getattr(options, name, None) for name in ("params", "camera", "markers")]
     asked = [*colors, *(marker.marker_color or () if marker else ()), *others, *shape]
     return [path for path in asked if path is not None and path.is_file()]

@@ -200,5 +200,4 @@ def _outcome(
         click=click,
         size=size,
         modified=modified,
-        stretch=None if job.stretch is None else job.stretch.number,
     )

@@ -5,8 +5,9 @@ import os
 import sys
 import threading
 import time
+from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Self
 
 import msgspec
 
@@ -39,16 +40,6 @@ class Owner(msgspec.Struct, frozen=True):
 
     name: str
     time: float = 0.0
-
-
-class Lock(Protocol):
-    """Held while a batch runs."""
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None: ...
 
 
 class FolderLock:
@@ -139,6 +130,6 @@ class RemoteLock:
         self._store.write(LOCK, msgspec.json.encode(Owner("")))
 
 
-def lock_of(store: Store, where: str) -> Lock:
+def lock_of(store: Store, where: str) -> AbstractContextManager[object]:
     """Return the lock of a place for results."""
     return FolderLock(store) if isinstance(store, FolderStore) else RemoteLock(store, where)

@@ -84,7 +84,7 @@ class Manifest(Closing):
             outcome = _outcome(line)
             if outcome is None:
                 self._dropped += 1
-            elif outcome.stretch is None:
+            else:
                 self._note(outcome)
         self.root = root if heading is None else Path(heading.root)
         if self._dropped:
@@ -179,7 +179,7 @@ class KeptOutcomes:
         place = 0
         for line in file:
             outcome = _outcome(line)
-            if outcome is not None and outcome.stretch is None:
+            if outcome is not None:
                 self._places[hash(outcome.folder)] = place
             place += len(line)
 

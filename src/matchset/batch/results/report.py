@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import msgspec
 
 from matchset.app.exit_codes import print_note
-from matchset.batch.jobs.counts import TABLES
+from matchset.batch.jobs.counts import kept_table
 from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.videos import folder_of
 from matchset.batch.plan import Plan
@@ -99,8 +99,8 @@ def write_report(store: Store, manifest: Manifest, plan: Plan) -> Totals:
             for outcome in _in_order(manifest, plan, totals):
                 totals.add(outcome)
                 table.writerow(_cells(outcome))
-                if outcome.frames and (found := _table(store, outcome.folder)) is not None:
-                    rows.append(outcome.folder, found)
+                if outcome.frames and (found := kept_table(store, outcome.folder)) is not None:
+                    rows.append(outcome.folder, found[1])
         write_page(folder, store, totals)
         for path in sorted(folder.iterdir()):
             store.put(path, path.name)
@@ -118,10 +118,6 @@ def _in_order(manifest: Manifest, plan: Plan, totals: Totals) -> Iterator[VideoO
                 yield outcome
     if totals.missing:
         print_note(f"{totals.missing} videos are not done yet: the same command goes on")
-
-
-def _table(store: Store, folder: str) -> bytes | None:
-    return next((data for name in TABLES if (data := store.read(f"{folder}/{name}")) is not None), None)
 
 
 def _cells(outcome: VideoOutcome) -> list[object]:

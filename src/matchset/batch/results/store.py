@@ -18,6 +18,10 @@ UNFINISHED = ".unfinished"
 class Store(Protocol):
     """A place for results. Names have slashes and begin at it."""
 
+    def clear(self) -> None:
+        """Remove what a batch that was killed was writing."""
+        ...
+
     def unfinished(self) -> contextlib.AbstractContextManager[Path]:
         """Make an empty folder of this computer for what is being written; it is gone afterwards."""
         ...
@@ -57,6 +61,10 @@ class FolderStore:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+
+    def clear(self) -> None:
+        """See `Store`."""
+        shutil.rmtree(self.path / UNFINISHED, ignore_errors=True)
 
     @contextlib.contextmanager
     def unfinished(self) -> Iterator[Path]:
@@ -131,6 +139,9 @@ class RemoteStore:
             self._files, self._root = fsspec.core.url_to_fs(url)
         except (ImportError, ValueError) as error:
             raise ValueError(f"{url}: {error}") from None
+
+    def clear(self) -> None:
+        """See `Store`; it lies in a folder of that computer, which is gone with its time."""
 
     @contextlib.contextmanager
     def unfinished(self) -> Iterator[Path]:

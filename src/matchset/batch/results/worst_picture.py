@@ -10,7 +10,7 @@ import numpy as np
 
 from matchset.app.drawing.picture_file import write_picture
 from matchset.batch.jobs.choice import FRAME
-from matchset.batch.jobs.counts import TABLES
+from matchset.batch.jobs.counts import kept_table
 from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.videos import real_name
 from matchset.batch.results.store import Store
@@ -64,10 +64,6 @@ def worst_picture(store: Store, outcome: VideoOutcome, path: Path) -> bool:
 
 
 def _first_lost(store: Store, folder: str) -> int:
-    for name in TABLES:
-        data = store.read(f"{folder}/{name}")
-        if data is not None:
-            for row in csv.DictReader(io.StringIO(data.decode(), newline="")):
-                if row["found"] == "0":
-                    return int(row["frame"])
-    return 0
+    table = kept_table(store, folder)
+    rows = csv.DictReader(io.StringIO("" if table is None else table[1].decode(), newline=""))
+    return next((int(row["frame"]) for row in rows if row["found"] == "0"), 0)

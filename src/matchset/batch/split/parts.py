@@ -95,7 +95,7 @@ class Parts:
             return None
         del self._waiting[job.video]
         if waiting.wrong is not None:
-            return msgspec.structs.replace(waiting.wrong, folder=waiting.job.folder, stretch=None)
+            return msgspec.structs.replace(waiting.wrong, folder=waiting.job.folder)
         return msgspec.structs.replace(waiting.job, seconds=round(waiting.seconds, 3))
 
 

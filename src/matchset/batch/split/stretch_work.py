@@ -6,7 +6,7 @@ import msgspec
 
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.target.target_options import target_for
-from matchset.batch.jobs.counts import TABLES
+from matchset.batch.jobs.counts import TABLES, kept_table
 from matchset.batch.jobs.job import Job
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.results.store import Store
@@ -59,9 +59,8 @@ def join_stretches(job: Job, store: Store, folder: Path) -> str:
     parts, name = list[Part](), TABLES[0]
     for number in range(job.parts):
         place = stretch_folder(job.folder, number)
-        name = next(each for each in TABLES if each in store.names(place))
-        table, marks = store.read(f"{place}/{name}"), store.read(f"{place}/{MARKS}")
-        parts.append(Part(table or b"", read_marks(marks or b"")))
+        name, table = kept_table(store, place) or (name, b"")
+        parts.append(Part(table, read_marks(store.read(f"{place}/{MARKS}") or b"")))
     text, differing = joined(parts)
     (folder / name).write_bytes(text)
     words = f"joined of {job.parts} stretches"

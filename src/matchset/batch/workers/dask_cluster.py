@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import msgspec
 
-from matchset.batch.jobs.identity import stat_of
+from matchset.batch.jobs.identity import stat_of, worker_name
 from matchset.batch.jobs.job import Job
 from matchset.batch.jobs.work import UnfitWorkerError, do_job
 from matchset.batch.workers.pool import RETRY, Answer, died, vanished
@@ -193,8 +193,6 @@ class DaskCluster:
 
     def _names(self) -> dict[str, str]:
         """Return the workers' names as they give them, by their addresses."""
-        from matchset.batch.jobs.identity import worker_name
-
         return dict(self._client.run(worker_name, on_error="ignore"))
 
     def _look(self) -> None:

@@ -1,13 +1,13 @@
 """Shares what the page shows, and shows what others share: `SharedPage`, a listener and a panel in one."""
 
-import itertools
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from matchset.live.feed import Feed, Panel, StreamPicture
 from matchset.live.session import Session
 from matchset.live.sharing.state import SharedTargetState, SharingPartnerState, SharingState
+from matchset.live.targets.target_facts import free_name
 from matchset.live.wire.state import TargetState
 from matchset.localization.pose import Pose
 from matchset.media.closing import Closing
@@ -50,7 +50,7 @@ class SharedPage(Panel, Closing):
         found, times = list[SentTarget](), dict[str, float]()
         for number, targets in list(self._targets.items()):
             for each in targets:
-                name = unused(each.name, times)
+                name = each.name if each.name not in times else free_name(each.name[: LONGEST_NAME - 4], times)
                 found.append(each._replace(name=name))
                 times[name] = self._times[number]
         try:
@@ -78,12 +78,6 @@ class SharedPage(Panel, Closing):
     def close(self) -> None:
         """Share nothing more."""
         self._share.close()
-
-
-def unused(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken: this one, or with a number behind it."""
-    numbered = (f"{name[: LONGEST_NAME - 4]} ({number})" for number in itertools.count(2))
-    return name if name not in taken else next(each for each in numbered if each not in taken)
 
 
 def shared_page(share: Share | None, session: Session) -> AbstractContextManager[object]:

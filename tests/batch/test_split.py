@@ -7,8 +7,10 @@ import pytest
 
 from batched_videos import HerePool, write_ball, write_color
 from blue_ball import Matchset
+from matchset.app.guidance.choice import BallChoice
 from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
+from matchset.batch.jobs import choice
 from matchset.batch.jobs.video_options import track_options
 from matchset.batch.options import BatchOptions
 from matchset.batch.split import parts
@@ -70,6 +72,30 @@ def test_joined_table_is_that_of_the_whole(
     assert {row.get("identity") for row in other} == {row.get("identity") for row in one}
     assert sorted(path.name for path in Path("cut").iterdir() if path.is_dir() and path.name[0] != ".") == ["long.mp4"]
     assert "joined of 3 stretches" in Path("cut/videos.csv").read_text()
+
+
+def test_what_is_likeliest_is_chosen_once(matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.SplitParameters(overlap=2.0)))
+    monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=2.0))
+    chosen, choose = list[BallChoice](), choice.choose
+
+    def choose_and_count(video: Video) -> BallChoice:
+        chosen.append(choose(video))
+        return chosen[-1]
+
+    monkeypatch.setattr(choice, "choose", choose_and_count)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=360)
+    assert matchset("batch", path, "--out", "auto", "--auto", "--split", 4) == 0
+    assert len(chosen) == 1
+    (row,) = rows(Path("auto/videos.csv"))
+    assert "joined of 3 stretches" in row["reason"]
+    assert matchset("batch", path, "--out", "clicked", "--pick", row["click"], "--split", 4) == 0
+    assert Path("auto/long.mp4/tracks.csv").read_bytes() == Path("clicked/long.mp4/tracks.csv").read_bytes()
+    monkeypatch.setattr(choice.doubt_of, "__defaults__", (choice.DoubtParameters(rank=1.0),))
+    assert matchset("batch", path, "--out", "doubtful", "--auto", "--split", 4) == 1
+    assert rows(Path("doubtful/videos.csv"))[0]["state"] == "doubtful"
+    assert Path("doubtful/long.mp4/frame.png").is_file()
+    assert len(chosen) == 2
 
 
 def part(frames: range, places: dict[str, float], shift: int = 0, first: int = 0) -> Part:

@@ -3,6 +3,8 @@
 from collections import deque
 from collections.abc import Iterator
 
+import msgspec
+
 from matchset.app.exit_codes import print_note
 from matchset.batch.clicking.clicker import Clicker
 from matchset.batch.jobs.job import Job, VideoOutcome
@@ -73,6 +75,10 @@ class Batch:
             return
         if answer.outcome.state == "stopped":  # by somebody who has stopped its worker alone, or all
             self._queue.append(answer.job)
+            return
+        if answer.outcome.state == "chosen":
+            click = answer.outcome.click
+            self._queue += self._parts.of(msgspec.structs.replace(answer.job, choosing=False, click=click))
             return
         if answer.job.stretch is not None:
             ended = self._parts.ended(answer.job, answer.outcome)

@@ -60,6 +60,8 @@ def chosen_for(job: Job, folder: Path) -> Chosen:
     """Say what is followed; where that is doubtful, write the frame to click in."""
     if not job.auto:
         return Chosen(job.options)
+    if job.click:
+        return _clicked(job, job.click)
     with Video(job.video, fps=job.options.fps, **job.options.view.arguments) as video:
         choice = choose(video)
     doubt = doubt_of(choice)
@@ -68,7 +70,10 @@ def chosen_for(job: Job, folder: Path) -> Chosen:
     if not choice.candidates:
         return Chosen(job.options, f"0,0@{choice.frame.index}", doubt)
     x, y = choice.candidates[0].pick
-    click = f"{x},{y}@{choice.frame.index}"
+    return _clicked(job, f"{x},{y}@{choice.frame.index}", doubt)
+
+
+def _clicked(job: Job, click: str, doubt: str = "") -> Chosen:
     target = msgspec.structs.replace(job.options.target, picks=[click])
     options: Options = msgspec.structs.replace(job.options, target=target)
     return Chosen(options, click, doubt, f"clicked at {click}: the likeliest ball")

@@ -6,9 +6,9 @@ import msgspec
 
 from matchset.batch.jobs.video_options import Options
 
-State = Literal["found", "not found", "doubtful", "failed", "stopped"]
+State = Literal["found", "not found", "doubtful", "failed", "stopped", "chosen"]
 """What became of a video: a ball in it was found; none was; it is doubtful what the ball is; it could not be read, or
-another error; the batch was stopped meanwhile."""
+another error; the batch was stopped meanwhile; what its stretches are to follow was chosen."""
 DONE: tuple[State, ...] = "found", "not found"
 
 
@@ -43,6 +43,10 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         What the command is told; without a target where `auto` is given.
     auto : bool
         Whether the worker chooses what is most likely the ball.
+    choosing : bool
+        Whether it does nothing else: what comes of it is for all stretches of a video.
+    click : str
+        What was chosen so, X,Y@FRAME.
     settings : str
         Check sum of what decides about the answers, see `settings_digest`.
     code : str
@@ -67,6 +71,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     code: str = ""
     mark: str = ""
     auto: bool = False
+    choosing: bool = False
+    click: str = ""
     size: int = 0
     stretch: Stretch | None = None
     parts: int = 0

@@ -72,7 +72,8 @@ def do_job(job: Job) -> VideoOutcome:
     size, modified = stat_of(job.video)
     try:
         # a stretch is known by less: what joins it reads the whole file for its check sum
-        content = content_digest(job.video) if job.stretch is None else f"{size} {modified}"
+        whole = job.stretch is None and not job.choosing
+        content = content_digest(job.video) if whole else f"{size} {modified}"
     except OSError as error:
         content, problem = "", f"cannot read {job.video}: {error.strerror}"
         return _outcome(job, "failed", problem, size=size, modified=modified)
@@ -87,7 +88,7 @@ def do_job(job: Job) -> VideoOutcome:
                 raise SupersededError(job.out)
             seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
-            if outcome.state != "stopped":
+            if outcome.state not in ("stopped", "chosen"):
                 _name_results(folder / LOG, folder, job.folder)
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
                 store.keep(folder, job.folder)
@@ -145,10 +146,12 @@ def _run(job: Job, folder: Path, store: Store) -> VideoOutcome:
         try:
             words = _joined(job, folder, store)
             if words:
-                return _counted(job, folder, FOUND, Chosen(job.options, words=words))
+                return _counted(job, folder, FOUND, Chosen(job.options, click=job.click, words=words))
             chosen = chosen_for(job, folder)
             if chosen.doubt:
                 return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
+            if job.choosing:
+                return _outcome(job, "chosen", chosen.words, click=chosen.click)
             options = chosen.options if job.stretch is None else stretch_options(job, chosen.options, folder)
             code = run_command(msgspec.structs.replace(options, source=job.video, out=folder, force=True))
         except Exception as error:  # whatever a file makes of a decoder: one video is one row

@@ -67,11 +67,13 @@ class Parts:
         self._waiting: dict[str, _Waiting] = {}
 
     def of(self, job: Job) -> list[Job]:
-        """Return the jobs of the stretches of a video, or its own job."""
+        """Return the jobs of the stretches of a video, or that which chooses what they follow, or its own job."""
         clicked = len(job.options.target.picks or ()) > 1 and not job.options.several.every  # each is one of its own
         duration = 0.0 if self._length is None or clicked else duration_of(job)
         if self._length is None or duration < 2.0 * self._parameters.shortest * self._length:
             return [job]
+        if job.auto and not job.click:  # once, the same for all stretches
+            return [msgspec.structs.replace(job, choosing=True)]
         count = max(round(duration / self._length), 2)
         stretches = [self._stretch(k, count, duration) for k in range(count)]
         folders = [stretch_folder(job.folder, k) for k in range(count)]

@@ -1,5 +1,6 @@
 """Results in a folder and at a URL: the same, whatever was there before."""
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -85,6 +86,37 @@ def test_two_batches_at_one_url(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     store.write(".lock", b"no json")
     with RemoteLock(store, "there"):
         pass
+
+
+def test_a_batch_that_slept_leaves_the_place_to_the_next_one(tmp_path: Path) -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    store = store_at(f"memory://{tmp_path.name}/slept")
+    with RemoteLock(store, "there") as slept:
+        taken = msgspec.json.encode(Owner("another:7", time.time()))
+        store.write(".lock", taken)
+        slept.beat()
+        assert store.read(".lock") == taken
+    assert store.read(".lock") == taken
+
+
+def test_what_a_kind_of_url_says_is_said_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fsspec = pytest.importorskip("fsspec", reason="fsspec is not installed")
+    memory = fsspec.get_filesystem_class("memory")
+    store = store_at(f"memory://{tmp_path.name}/away")
+
+    def away(*_: object, **__: object) -> None:
+        raise RuntimeError("no credentials")
+
+    def no_bucket(*_: object, **__: object) -> None:
+        raise FileNotFoundError("The specified bucket does not exist")
+
+    monkeypatch.setattr(memory, "cat_file", away)
+    with pytest.raises(OSError, match=rf"no credentials: 'memory://{tmp_path.name}/away'"):
+        store.read("x")
+    monkeypatch.setattr(memory, "root_marker", "")
+    monkeypatch.setattr(memory, "pipe_file", no_bucket)
+    with pytest.raises(ValueError, match="make it first"):
+        store.write("x", b"")
 
 
 def test_unknown_kind_of_url() -> None:

@@ -90,7 +90,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> None:
         from fsspec.implementations.memory import MemoryFileSystem
     except ImportError:
         return
-    for name in ("pipe_file", "rm_file", "cat_file"):
+    for name in ("put_file", "pipe_file", "rm_file", "cat_file"):
         stepped(MemoryFileSystem, name)
 
 

@@ -13,7 +13,7 @@ from matchset.batch.jobs.videos import VideoList, folder_of, plain_name, plain_w
 from matchset.batch.jobs.work import kept_outcome
 from matchset.batch.options import BatchOptions
 from matchset.batch.results.manifest import Manifest
-from matchset.batch.results.store import Store
+from matchset.batch.results.store import FolderStore, Store
 
 
 class Plan:
@@ -98,6 +98,8 @@ class Plan:
             return self._unless_known(failed, "no such file")
         if self._manifest.is_done(msgspec.structs.replace(failed, settings=job.settings), not self._retry):
             return None
+        if not isinstance(self._store, FolderStore):  # asking takes as long as handing it out, and a worker looks, too
+            return job
         kept = kept_outcome(self._store, job)  # a batch that was killed between both
         if kept is not None and (kept.size, kept.modified) == (size, modified) and kept.video == name:
             return kept if kept.state in DONE or not self._retry else job

@@ -84,7 +84,7 @@ def do_job(job: Job) -> VideoOutcome:
         with store.unfinished() as folder:
             with stopped_when(Watch(store)):
                 outcome = _run(job, folder, store)
-            if not store.is_current():
+            if outcome.state == "stopped" and not store.is_current():
                 raise SupersededError(job.out)
             seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)

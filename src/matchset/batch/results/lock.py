@@ -105,20 +105,29 @@ class RemoteLock:
     def _beat(self) -> None:
         while not self._ends.wait(PARAMETERS.beat):
             with contextlib.suppress(OSError):  # the network is away: the next beat says it
-                self._say()
+                self.beat()
 
-    def _say(self) -> None:
-        self._store.write(LOCK, msgspec.json.encode(Owner(worker_name(), time.time())))
+    def beat(self) -> None:
+        """Say that it runs, unless another one has taken the place since, as after a long sleep of this computer."""
+        if self._owner().name in ("", worker_name()):
+            self._say(time.time())
 
-    def __enter__(self) -> Self:
+    def _say(self, now: float) -> None:
+        self._store.write(LOCK, msgspec.json.encode(Owner(worker_name() if now else "", now)))
+
+    def _owner(self) -> Owner:
         text = self._store.read(LOCK)
         try:
-            owner = Owner("") if text is None else msgspec.json.decode(text, type=Owner)
+            return Owner("") if text is None else msgspec.json.decode(text, type=Owner)
         except msgspec.MsgspecError:
-            owner = Owner("")
-        if abs(time.time() - owner.time) < PARAMETERS.dead:
-            raise ValueError(f"another batch writes into {self._where}: {owner.name}")
-        self._say()
+            return Owner("")
+
+    def __enter__(self) -> Self:
+        owner, now = self._owner(), time.time()
+        if abs(now - owner.time) < PARAMETERS.dead:
+            left = f"if it was killed, this is known in {owner.time + PARAMETERS.dead - now:.0f} s"
+            raise ValueError(f"another batch writes into {self._where}: {owner.name}; {left}")
+        self._say(now)
         self._thread.start()
         return self
 
@@ -127,7 +136,8 @@ class RemoteLock:
     ) -> None:
         self._ends.set()
         self._thread.join()
-        self._store.write(LOCK, msgspec.json.encode(Owner("")))
+        if self._owner().name == worker_name():
+            self._say(0.0)
 
 
 def lock_of(store: Store, where: str) -> AbstractContextManager[object]:

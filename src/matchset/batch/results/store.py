@@ -203,8 +203,8 @@ def _is_foreign(place: Path) -> bool:
 class RemoteStore:
     """Results at a URL that fsspec knows, such as s3://bucket/results.
 
-    There nothing gets its name at once. So a worker looks before each file whether its batch is the current one, and
-    what was written last, `run.json`, says that the others are whole, and which check sum the table has.
+    There nothing gets its name at once. So a worker looks before it writes whether its batch is the current one, and
+    once more before `run.json`, which comes last and says that the others are whole, and what the table's check sum is.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ class RemoteStore:
             yield
         finally:
             if self.is_current():
-                self._files.rm_file(self._at(MARK))
+                self._do("rm_file", self._at(MARK))
 
     def is_current(self) -> bool:
         """See `Store`."""
@@ -255,15 +255,15 @@ class RemoteStore:
 
     def keep(self, folder: Path, name: str) -> None:
         """See `Store`."""
-        paths = sorted(folder.iterdir(), key=lambda path: (path.name == RUN, path.name))
-        old = set(self.names(name))
-        for each in sorted(old - {path.name for path in paths} | old & {RUN}, key=lambda each: each != RUN):
-            self._check()  # what is being replaced is not finished any more, so `run.json` goes first
+        paths = [path for path in sorted(folder.iterdir()) if path.name != RUN]
+        old = set(self.names(name)) - {path.name for path in paths}
+        self._check()
+        for each in sorted(old, key=lambda each: each != RUN):  # what is being replaced is not finished any more
             with contextlib.suppress(FileNotFoundError):  # another worker that was given the same video
-                self._files.rm_file(self._at(f"{name}/{each}"))
-        for path in paths:
-            self._check()
-            self.write(f"{name}/{path.name}", path.read_bytes())
+                self._do("rm_file", self._at(f"{name}/{each}"))
+        self._put(paths, name)
+        self._check()
+        self._put([folder / RUN], name)
 
     def _check(self) -> None:
         if not self.is_current():
@@ -272,37 +272,65 @@ class RemoteStore:
     def read(self, name: str) -> bytes | None:
         """See `Store`."""
         try:
-            data: bytes = self._files.cat_file(self._at(name))
+            data: bytes = self._do("cat_file", self._at(name))
         except FileNotFoundError:
             return None
         return data
 
     def write(self, name: str, data: bytes) -> None:
         """See `Store`."""
-        path = self._at(name)
-        self._files.makedirs(path.rsplit("/", 1)[0], exist_ok=True)
-        self._files.pipe_file(path, data)
+        self._make(name.rpartition("/")[0])
+        with self._bucket():
+            self._do("pipe_file", self._at(name), data)
 
     def put(self, path: Path, name: str) -> None:
         """See `Store`."""
-        self._files.put_file(str(path), self._at(name))
+        self._do("put_file", str(path), self._at(name))
+
+    def _put(self, paths: list[Path], name: str) -> None:
+        """Write files, several at once where that is possible."""
+        self._make(name)
+        with self._bucket():
+            self._do("put", list(map(str, paths)), [self._at(f"{name}/{path.name}") for path in paths])
+
+    def _make(self, folder: str) -> None:
+        if self._files.root_marker:  # else there are no folders
+            self._do("makedirs", self._at(folder), exist_ok=True)
+
+    @contextlib.contextmanager
+    def _bucket(self) -> Iterator[None]:
+        try:
+            yield
+        except FileNotFoundError:  # it is not made here: its name may be misspelled
+            raise ValueError(f"there is no {self._root.partition('/')[0]!r} for {self._url}: make it first") from None
 
     def remove(self, folder: str) -> None:
         """See `Store`."""
         self._check()
         with contextlib.suppress(FileNotFoundError):
-            self._files.rm(self._at(folder), recursive=True)
+            self._do("rm", self._at(folder), recursive=True)
 
     def names(self, folder: str) -> list[str]:
         """See `Store`."""
+        self._files.invalidate_cache()  # what other processes have written
         try:
-            found = self._files.ls(self._at(folder), detail=False)
+            found = self._do("ls", self._at(folder), detail=False)
         except FileNotFoundError:
             return []
         return sorted(str(each).rstrip("/").rsplit("/", 1)[-1] for each in found)
 
+    def _do(self, name: str, *words: Any, **named: Any) -> Any:
+        """Call a method of the file system; each has errors of its own."""
+        try:
+            return getattr(self._files, name)(*words, **named)
+        except FileNotFoundError:
+            raise
+        except Exception as error:  # no credentials, no connection, ...
+            words_of = " ".join(str(error).split()) or type(error).__name__
+            raise OSError(getattr(error, "errno", None) or errno.EIO, words_of, self._url) from None
+
     def _at(self, name: str) -> str:
-        return f"{self._root}/{name}"
+        return f"{self._root}/{name}".rstrip("/")
 
 
 def store_at(out: str, mark: str = "") -> Store:

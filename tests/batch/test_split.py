@@ -7,7 +7,7 @@ import pytest
 
 from batched_videos import HerePool, write_ball, write_color
 from blue_ball import Matchset
-from matchset.app.guidance.choice import BallChoice
+from matchset.app.guidance.choice import BallChoice, choose
 from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
 from matchset.batch.jobs import choice
@@ -77,7 +77,7 @@ def test_joined_table_is_that_of_the_whole(
 def test_what_is_likeliest_is_chosen_once(matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.SplitParameters(overlap=2.0)))
     monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=2.0))
-    chosen, choose = list[BallChoice](), choice.choose
+    chosen = list[BallChoice]()
 
     def choose_and_count(video: Video) -> BallChoice:
         chosen.append(choose(video))

@@ -6,15 +6,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
 import pytest
 
 from batched_videos import write_balls, write_color
+from dask_programs import free_port, started
 from matchset.batch.jobs.job import VideoOutcome
-from matchset.batch.workers.worker import THREADS
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kill -9 is of POSIX")
 VIDEOS = 12
@@ -106,33 +106,6 @@ def is_zombie(number: int) -> bool:
     with contextlib.suppress(OSError):
         return Path(f"/proc/{number}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
     return True
-
-
-@contextlib.contextmanager
-def started(*words: str) -> Iterator["subprocess.Popen[bytes]"]:
-    """Run a program of Dask until the end of the block."""
-    one_thread = dict.fromkeys(THREADS, "1")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]],
-        env={**os.environ, **one_thread},
-        stderr=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
-
-
-def free_port() -> int:
-    """A port that is free now."""
-    import socket
-
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 @pytest.mark.timeout(600)

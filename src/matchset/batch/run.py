@@ -133,5 +133,5 @@ def _pool(options: BatchOptions) -> Pool:
         raise ValueError("give one of --jobs and --scheduler")
     cluster = DaskCluster(worker.scheduler, options.shape)
     if cluster.dashboard:
-        print_note(f"Dask shows its work, where bokeh is installed, at {cluster.dashboard}")
+        print_note(f"Dask shows its work at {cluster.dashboard}")
     return cluster

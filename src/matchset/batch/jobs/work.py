@@ -126,10 +126,15 @@ def is_full(error: BaseException | None) -> bool:
     return False
 
 
+def another_program(there: str, here: str = "") -> str:
+    """Return what is said of a worker with another program than the batch."""
+    return f"its matchset is another one: {there}, here {here or code_digest()}"
+
+
 def _check_worker(job: Job, store: Store) -> None:
     worker = worker_name()
     if job.code and job.code != code_digest():
-        raise UnfitWorkerError(worker, f"its matchset is another one: {code_digest()}, here {job.code}")
+        raise UnfitWorkerError(worker, another_program(code_digest(), job.code))
     if not store.is_current():
         raise UnfitWorkerError(worker, f"it does not see {job.out} as it is here: share that folder")
     if job.size and stat_of(job.video) == (0, 0):

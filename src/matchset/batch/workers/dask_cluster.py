@@ -4,14 +4,16 @@ import contextlib
 import logging
 import queue
 import time
+import urllib.request
+from http import HTTPStatus
 from types import TracebackType
 from typing import Any, Self
 
 import msgspec
 
-from matchset.batch.jobs.identity import stat_of, worker_name
-from matchset.batch.jobs.job import Job
-from matchset.batch.jobs.work import UnfitWorkerError, do_job
+from matchset.batch.jobs.identity import code_digest, stat_of, worker_name
+from matchset.batch.jobs.job import Job, VideoOutcome
+from matchset.batch.jobs.work import UnfitWorkerError, another_program, do_job
 from matchset.batch.workers.pool import RETRY, Answer, died, vanished
 from matchset.batch.workers.worker import use_one_thread, warm_up
 from matchset.image.errors import LinkError
@@ -33,15 +35,38 @@ class DaskParameters(msgspec.Struct, frozen=True):
     first : float
         How long the first worker is waited for, s: a queue of jobs starts workers when it has room. Longer: a forgotten
         worker is said later.
+    page : float
+        How long Dask's own page is waited for before its address is printed, s.
     """
 
     connect: float = 10.0
     ahead: float = 2.0
     look: float = 2.0
     first: float = 60.0
+    page: float = 2.0
 
 
 PARAMETERS = DaskParameters()
+
+
+def do_alone(job: Job) -> VideoOutcome:
+    """Do a job in a worker of Dask; one with several threads refuses, as `redirect_stdout` is of the whole process."""
+    import distributed
+
+    here: Any = distributed.get_worker()
+    if here.state.nthreads > 1:
+        problem = f"it has {here.state.nthreads} threads, which mix the logs of videos: start it with --nthreads 1"
+        raise UnfitWorkerError(worker_name(), problem)
+    return do_job(job)
+
+
+def answers(page: str) -> bool:
+    """Whether there is a page: without bokeh, or with --no-dashboard, Dask has none at the address that it tells."""
+    try:
+        with urllib.request.urlopen(page, timeout=PARAMETERS.page) as answer:
+            return bool(answer.status == HTTPStatus.OK)
+    except (OSError, ValueError):  # also 404
+        return False
 
 
 class DaskCluster:
@@ -58,7 +83,7 @@ class DaskCluster:
     ----------
     notes : list of str
     dashboard : str
-        Address of Dask's own page.
+        Address of Dask's own page; empty if there is none.
 
     Raises
     ------
@@ -79,8 +104,8 @@ class DaskCluster:
             self._client: Any = client_of(address, timeout=PARAMETERS.connect, set_as_default=False)
         except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: tls without certificates
             raise LinkError(f"no scheduler of Dask answers at {address}: {' '.join(str(error).split())}") from None
-        has_page = "dashboard" in self._client.scheduler_info()["services"]
-        self.address, self.dashboard = address, str(self._client.dashboard_link) if has_page else ""
+        self.address, page = address, str(self._client.dashboard_link)
+        self.dashboard = page if answers(page) else ""
         for name in ("distributed", "distributed.client"):  # what a person should know is said here
             for handler in logging.getLogger(name).handlers:
                 handler.setLevel(logging.CRITICAL)
@@ -98,13 +123,22 @@ class DaskCluster:
     def __enter__(self) -> Self:
         with contextlib.suppress(TimeoutError):
             self._client.wait_for_workers(1, timeout=PARAMETERS.first)
-        self._look()
+        self._refuse_others()
+        self._check()
         if not self._fit:
             raise LinkError(f"the scheduler at {self.address} has no worker: dask worker {self.address}")
         for address in self._one_of_each_computer():
             self._client.submit(warm_up, self._shape, workers=[address], pure=False).result()
-        self._client.run(use_one_thread)
+        self._client.run(use_one_thread, workers=list(self._fit))
         return self
+
+    def _refuse_others(self) -> None:
+        """Refuse workers with another matchset, or none: they may not even understand what a job is."""
+        for address, found in self._client.run(code_digest, on_error="return").items():
+            if not isinstance(found, str):
+                self._refuse(UnfitWorkerError(address, f"it has no matchset that fits: {found}"))
+            elif found != code_digest():
+                self._refuse(UnfitWorkerError(address, another_program(found)))
 
     @property
     def free(self) -> int:
@@ -125,7 +159,7 @@ class DaskCluster:
             return
         named = list(self._fit) if self._unfit else None  # a list of thousands costs the scheduler more than the task
         try:
-            future = self._client.submit(do_job, job, workers=named, pure=False)
+            future = self._client.submit(do_alone, job, workers=named, pure=False)
         except Exception:
             if self._client.status == "running":
                 raise
@@ -184,7 +218,7 @@ class DaskCluster:
 
     def _refuse(self, error: UnfitWorkerError) -> None:
         """Give a worker no more work, and say so once."""
-        addresses = [address for address, name in self._names().items() if name == error.worker]
+        addresses = [address for address, name in self._names().items() if error.worker in (address, name)]
         for address in addresses or [error.worker]:
             if address not in self._unfit:
                 self._unfit[address] = error.reason
@@ -209,7 +243,7 @@ class DaskCluster:
 
     def _one_of_each_computer(self) -> list[str]:
         workers = self._client.scheduler_info(n_workers=-1)["workers"]
-        return list({each["host"]: name for name, each in workers.items()}.values())
+        return list({each["host"]: name for name, each in workers.items() if name in self._fit}.values())
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

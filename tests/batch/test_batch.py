@@ -259,6 +259,34 @@ def test_clicks(matchset: Matchset, pools: list[HerePool], clips: Path) -> None:
     assert found["day0/ball2.mp4"]["reason"] == "no click says what to follow in it"
 
 
+def test_a_click_for_several_videos_is_refused(
+    matchset: Matchset, pools: list[HerePool], clips: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_ball(clips / "day0/ball1.mp4", 1)
+    write_ball(clips / "day0/ball3.mp4", 3)
+    Path("clicks.csv").write_text("video,frame,x,y\nball0.mp4,0,60,60\nball1.mp4,0,80,60\n")
+    assert matchset("batch", clips, "--out", "results", "--clicks", "clicks.csv") == 2
+    said = capsys.readouterr().err
+    assert f"clicks.csv, line 3: ball1.mp4 is the name of 2 videos, {clips}/day0/ball1.mp4, {clips}/day1/" in said
+    assert pools == []
+
+
+def test_a_click_is_of_the_video_that_has_more_of_its_name(
+    matchset: Matchset, pools: list[HerePool], clips: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_ball(clips / "ball1.mp4", 1)
+    table = "video,frame,x,y\nball1.mp4,0,80,60\nday1/ball1.mp4,0,80,60\nball3.mp4,0,80,60\nbal.mp4,0,1,2\nx,0,1,2\n"
+    Path("clicks.csv").write_text(table + f"{clips}/day1/ball3.mp4,5,85,60\n")
+    assert matchset("batch", clips, "--out", "results", "--clicks", "clicks.csv") == 1
+    picks = {job.folder: job.options.target.picks for job in pools[0].done}
+    assert picks == {
+        "ball1.mp4": ["80,60@0"],
+        "day1/ball1.mp4": ["80,60@0"],
+        "day1/ball3.mp4": ["80,60@0", "85,60@5"],
+    }
+    assert "clicks.csv, line 5: 2 names of no video here, 'bal.mp4'" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "problem"),
     [

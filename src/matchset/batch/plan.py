@@ -29,6 +29,11 @@ class Plan:
         Where results go, as workers name it.
     options : BatchOptions
 
+    Raises
+    ------
+    ValueError
+        If a row of the table of clicks may mean several videos.
+
     Attributes
     ----------
     split : float or None
@@ -51,6 +56,7 @@ class Plan:
         self.videos, self.choice, self._store, self._manifest = videos, choice, store, manifest
         self.out, self._retry, self.split = out, options.retry, options.worker.split
         self.earlier, self.mark = 0, secrets.token_hex(8)
+        choice.match((video, folder_of(video, manifest.root)) for video in videos)
 
     def work(self) -> Iterator[Job | VideoOutcome]:
         """Yield what is to be done; of what cannot be done, or was done and is not in the manifest, the outcome."""

@@ -2,10 +2,12 @@
 
 import functools
 import shlex
+from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
 
+from matchset.app.exit_codes import print_note
 from matchset.app.target.target_options import check_target_options, parse_pick
 from matchset.batch.jobs.clicks import ClickTable
 from matchset.batch.jobs.video_options import Options, absolute, options_for
@@ -49,6 +51,13 @@ class TargetChoice:
         self._clicks = ClickTable(choice.clicks if choice.clicks is not None and choice.clicks.is_file() else None)
         if choice.clicks is not None and not choice.clicks.is_file():
             raise ValueError(f"no such file: {choice.clicks}")
+
+    def match(self, videos: Iterable[tuple[str, str]]) -> None:
+        """Find which video each row of the table of clicks means; see `ClickTable.match`."""
+        lines = self._clicks.match(videos)
+        if lines:
+            names = f"{len(lines)} names" if len(lines) > 1 else "a name"
+            print_note(f"{lines[0].path}, line {lines[0].line}: {names} of no video here, {lines[0].text('video')!r}")
 
     def options(self, video: str, folder: str) -> tuple[Options, bool]:
         """Return what the command is told for a video, and whether what is likeliest is to be chosen.

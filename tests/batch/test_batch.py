@@ -3,6 +3,7 @@
 import csv
 import errno
 import os
+import sys
 from pathlib import Path
 
 import msgspec
@@ -12,7 +13,10 @@ from batched_videos import HerePool, write_ball, write_balls, write_color
 from blue_ball import Matchset
 from matchset.batch import run
 from matchset.batch.jobs import work
+from matchset.batch.jobs.identity import content_digest
 from matchset.batch.jobs.job import VideoOutcome
+from matchset.batch.jobs.video_options import Options
+from matchset.batch.results.store import FolderStore
 
 FILES = {"all.csv", "videos.csv", "summary.html", "manifest.jsonl"}
 
@@ -225,6 +229,84 @@ def test_names_that_are_no_text(matchset: Matchset, pools: list[HerePool], tmp_p
     assert set(states) == {"100%25.mp4", "%FF%FE.mp4", "a%0Ab.mp4", "läufer, 2.mp4"}
     assert {name for name, state in states.items() if state != "found"} <= {"%FF%FE.mp4"}  # OpenCV may not open it
     assert Path("results/a%0Ab.mp4/tracks.csv").is_file()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such files")
+def test_what_is_no_file(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
+    os.mkfifo(clips / "pipe.mp4")
+    (clips / "loop.mp4").symlink_to("loop.mp4")
+    (clips / "day0" / "all").symlink_to(clips)  # is not gone into, again and again
+    (clips / "gone.mp4").symlink_to("nothing")
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 1
+    reasons = {row["video"]: row["reason"] for row in rows(Path("results/videos.csv")) if row["state"] != "found"}
+    assert reasons == {
+        "gone.mp4": "no such file",
+        "loop.mp4": os.strerror(errno.ELOOP),
+        "pipe.mp4": "it is a pipe or a device, which does not end",
+    }
+    assert len(pools[0].done) == 4
+
+
+def test_what_must_not_be_read(
+    matchset: Matchset,
+    pools: list[HerePool],
+    clips: Path,
+    color: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def digest(video: str) -> str:
+        if video.endswith("ball0.mp4"):
+            raise PermissionError(errno.EACCES, "Permission denied", video)
+        return content_digest(video)
+
+    scandir = os.scandir
+
+    def scan(path: str) -> object:
+        if str(path).endswith("day1"):
+            raise PermissionError(errno.EACCES, "Permission denied", path)
+        return scandir(path)
+
+    monkeypatch.setattr(work, "content_digest", digest)
+    monkeypatch.setattr(os, "scandir", scan)
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 1
+    table = {row["video"]: (row["state"], row["reason"]) for row in rows(Path("results/videos.csv"))}
+    problem = f"cannot read {clips}/day0/ball0.mp4: Permission denied"
+    assert table == {"ball0.mp4": ("failed", problem), "ball2.mp4": ("found", "")}
+    assert f"note: {clips}/day1: Permission denied: what is in it is left out" in capsys.readouterr().err
+
+
+def test_names_that_differ_in_case_alone(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (clips / "day0" / "BALL0.mp4").write_bytes((clips / "day0" / "ball0.mp4").read_bytes())
+    monkeypatch.setattr(FolderStore, "ignores_case", True)
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 1
+    failed = {row["video"]: row["reason"] for row in rows(Path("results/videos.csv")) if row["state"] == "failed"}
+    assert list(failed) == ["day0/ball0.mp4"]
+    assert "differs in upper and lower case alone" in failed["day0/ball0.mp4"]
+    monkeypatch.setattr(FolderStore, "ignores_case", False)
+    assert matchset("batch", clips, "--out", "results", "--color", color, "--retry") == 0
+
+
+def test_a_video_that_grows_while_it_is_followed(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    growing, run_command = clips / "day0" / "ball0.mp4", work.run_command
+
+    def run_and_grow(options: Options) -> int:
+        if options.source == str(growing):
+            with growing.open("ab") as file:
+                file.write(bytes(8))
+        return run_command(options)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(work, "run_command", run_and_grow)
+        assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    reasons = {row["video"]: row["reason"] for row in rows(Path("results/videos.csv"))}
+    assert [name for name, reason in reasons.items() if reason == "it has changed meanwhile"] == ["day0/ball0.mp4"]
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert [job.folder for job in pools[1].done] == ["day0/ball0.mp4"]
 
 
 def test_several_and_locate(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:

@@ -3,9 +3,13 @@
 import os
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.videos import VideoList, folder_of, plain_name, plain_words, real_name
+from matchset.batch.results.manifest import Manifest
+from matchset.batch.results.store import FolderStore
 
 
 @pytest.fixture
@@ -55,6 +59,13 @@ def test_what_does_not_end_is_refused(folder: Path, name: str) -> None:
         VideoList([name])
 
 
+def test_a_list_that_is_no_utf_8(folder: Path) -> None:
+    listed = folder / "list.txt"
+    listed.write_text("a/one.MP4\n", encoding="utf-16")
+    with pytest.raises(ValueError, match=r"list\.txt, line 1: a list is text in UTF-8"):
+        VideoList([str(listed)])
+
+
 def test_nothing_there(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no such file"):
         VideoList([str(tmp_path / "*.mp4")])
@@ -91,3 +102,23 @@ def test_hundred_thousand_videos_take_little_memory(tmp_path: Path) -> None:
         tracemalloc.stop()
     assert videos.count == 100_000
     assert most < 40e6
+
+
+def test_hundred_thousand_videos_that_are_done_take_little_memory(tmp_path: Path) -> None:
+    import tracemalloc
+
+    done = VideoOutcome(video="", folder="", settings="0" * 32, state="found", frames=1, found=1, worker="lab1:7")
+    with Manifest(FolderStore(tmp_path), Path("/data")) as manifest:
+        for k in range(100_000):
+            name = f"day{k % 100}/video-{k:06d}.mp4"
+            manifest.append(msgspec.structs.replace(done, video=f"/data/{name}", folder=name, size=k, modified=k))
+    tracemalloc.start()
+    try:
+        with Manifest(FolderStore(tmp_path), Path("/data")) as manifest, manifest.by_folder() as outcomes:
+            last = outcomes.last("day99/video-099999.mp4")
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert last is not None
+    assert manifest.is_done(last, failed_too=False)
+    assert most < 60e6

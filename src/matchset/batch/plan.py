@@ -1,11 +1,12 @@
 """What is still to be done: `Plan` goes through the videos of a batch and leaves out those that are finished."""
 
 import secrets
+import unicodedata
 from collections.abc import Iterator
 
 import msgspec
 
-from matchset.batch.jobs.identity import code_digest, stat_of
+from matchset.batch.jobs.identity import code_digest, problem_of, stat_of
 from matchset.batch.jobs.job import DONE, Job, VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.video_options import settings_digest
@@ -55,11 +56,13 @@ class Plan:
     ) -> None:
         self.videos, self.choice, self._store, self._manifest = videos, choice, store, manifest
         self.out, self._retry, self.split = out, options.retry, options.worker.split
+        self._same: set[int] | None = None
         self.earlier, self.mark = 0, secrets.token_hex(8)
         choice.match((video, folder_of(video, manifest.root)) for video in videos)
 
     def work(self) -> Iterator[Job | VideoOutcome]:
         """Yield what is to be done; of what cannot be done, or was done and is not in the manifest, the outcome."""
+        self._same = set[int]() if self._store.ignores_case else None
         for video in self.videos:
             folder = folder_of(video, self._manifest.root)
             found = self._of(video, folder)
@@ -100,8 +103,16 @@ class Plan:
             job = self.job(video, folder, size)
         except ValueError as error:
             return self._unless_known(failed, str(error))
-        if not size and not modified:
-            return self._unless_known(failed, "no such file")
+        problem = "" if size else problem_of(video)
+        if self._same is not None and not problem:
+            key = hash(unicodedata.normalize("NFC", folder).casefold())
+            if key in self._same:
+                problem = (
+                    "the name of another one differs in upper and lower case alone, which --out does not tell apart"
+                )
+            self._same.add(key)
+        if problem:
+            return self._unless_known(failed, problem)
         if self._manifest.is_done(msgspec.structs.replace(failed, settings=job.settings), not self._retry):
             return None
         if not isinstance(self._store, FolderStore):  # asking takes as long as handing it out, and a worker looks, too

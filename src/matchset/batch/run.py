@@ -41,6 +41,8 @@ def run_batch(options: BatchOptions) -> int:
     videos = VideoList(options.videos, options.out)
     if videos.twice:
         print_note(f"{videos.twice} videos are listed twice: each is done once")
+    for words in videos.unread:
+        print_note(f"{words}: what is in it is left out")
     store, out = opened_store(options.out)
     if os.path.realpath(out) == os.path.realpath(videos.common):
         raise ValueError(f"--out is the folder of the videos, {videos.common}: give the results one of their own")

@@ -1,10 +1,11 @@
-"""Which program this is, and which video that is: `code_digest`, `content_digest`, `stat_of`."""
+"""Which program this is, and which video that is: `code_digest`, `content_digest`, `stat_of`, `problem_of`."""
 
 import functools
 import hashlib
 import os
 import platform
 import socket
+import stat
 import zlib
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -57,9 +58,20 @@ def stat_of(video: str) -> tuple[int, int]:
         return 0, 0
 
 
+def problem_of(video: str) -> str:
+    """Say why a file cannot be a video: it is not there, or does not end; empty if nothing is known against it."""
+    try:
+        mode = Path(video).stat().st_mode
+    except FileNotFoundError:
+        return "no such file"
+    except OSError as error:  # such as a link to itself, or a folder that must not be searched
+        return error.strerror or type(error).__name__
+    return "" if stat.S_ISREG(mode) or stat.S_ISDIR(mode) else "it is a pipe or a device, which does not end"
+
+
 def _size_and_time(path: Path) -> tuple[int, int]:
-    stat = path.stat()
-    return stat.st_size, stat.st_mtime_ns
+    found = path.stat()
+    return found.st_size, found.st_mtime_ns
 
 
 def worker_name() -> str:

@@ -30,11 +30,21 @@ class VideoList:
     ------
     ValueError
         If one is not there, or is a camera or a stream, which does not end.
+
+    Attributes
+    ----------
+    count, twice : int
+        Videos, and those that are listed once more.
+    unread : list of str
+        Folders that cannot be read.
+    common : Path
+        The folder that they have in common.
     """
 
     def __init__(self, sources: list[str], out: str = "") -> None:
         self._sources, self._out = sources, os.path.realpath(out) if out else ""
         self.count = self.twice = 0
+        self.unread = list[str]()
         common: str | None = None
         for path in self:
             self.count += 1
@@ -47,9 +57,9 @@ class VideoList:
     def __iter__(self) -> Iterator[str]:
         """Yield the videos, each by its whole name, once."""
         seen = set[int]()
-        self.twice = 0
+        self.twice, self.unread = 0, []
         for source in self._sources:
-            for path in _expanded(source, self._out):
+            for path in self._expanded(source):
                 key = hash(os.path.realpath(path))
                 if key in seen:
                     self.twice += 1
@@ -57,32 +67,34 @@ class VideoList:
                 seen.add(key)
                 yield path
 
+    def _expanded(self, source: str) -> Iterator[str]:
+        """Yield the whole names of the videos that one word of the command line means."""
+        check_ends(source)
+        path = Path(source)
+        if path.is_dir():
+            yield from self._in_folder(path)
+        elif path.suffix.lower() in LISTS:
+            yield from _in_list(path)
+        elif os.path.lexists(path):
+            yield os.fspath(path.absolute())
+        else:
+            found = sorted(Path(path.anchor).glob(os.fspath(path.relative_to(path.anchor))))
+            if not found:
+                raise ValueError(f"no such file: {source}")
+            for each in found:
+                yield from self._in_folder(each) if each.is_dir() else (os.fspath(each.absolute()),)
 
-def _expanded(source: str, out: str) -> Iterator[str]:
-    """Yield the whole names of the videos that one word of the command line means."""
-    check_ends(source)
-    path = Path(source)
-    if path.is_dir():
-        yield from _in_folder(path, out)
-    elif path.suffix.lower() in LISTS:
-        yield from _in_list(path)
-    elif os.path.lexists(path):
-        yield os.fspath(path.absolute())
-    else:
-        found = sorted(Path(path.anchor).glob(os.fspath(path.relative_to(path.anchor))))
-        if not found:
-            raise ValueError(f"no such file: {source}")
-        for each in found:
-            yield from _in_folder(each, out) if each.is_dir() else (os.fspath(each.absolute()),)
+    def _in_folder(self, folder: Path) -> Iterator[str]:
+        out = self._out
+        for place, folders, files in os.walk(folder.absolute(), onerror=self._note):
+            folders[:] = sorted(name for name in folders if not out or os.path.realpath(Path(place, name)) != out)
+            for name in sorted(files):
+                path = Path(place, name)
+                if path.suffix.lower() in SUFFIXES:
+                    yield os.fspath(path)
 
-
-def _in_folder(folder: Path, out: str) -> Iterator[str]:
-    for place, folders, files in os.walk(folder.absolute()):
-        folders[:] = sorted(name for name in folders if not out or os.path.realpath(Path(place, name)) != out)
-        for name in sorted(files):
-            path = Path(place, name)
-            if path.suffix.lower() in SUFFIXES:
-                yield os.fspath(path)
+    def _note(self, error: OSError) -> None:
+        self.unread.append(f"{error.filename}: {error.strerror}")
 
 
 def _in_list(path: Path) -> Iterator[str]:
@@ -90,6 +102,8 @@ def _in_list(path: Path) -> Iterator[str]:
         with path.open(encoding="utf-8-sig", errors="surrogateescape") as lines:
             for number, line in enumerate(lines, 1):
                 name = line.rstrip("\r\n")
+                if "\0" in name:
+                    raise ValueError(f"{path}, line {number}: a list is text in UTF-8, this has a zero byte")
                 if not name.strip() or name.startswith("#"):
                     continue
                 check_ends(name, f"{path}, line {number}: ")

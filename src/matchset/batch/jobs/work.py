@@ -88,6 +88,10 @@ def do_job(job: Job) -> VideoOutcome:
                 raise SupersededError(job.out)
             seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
+            if stat_of(job.video) != (size, modified):  # so the same command does it again
+                outcome = msgspec.structs.replace(
+                    outcome, reason=f"it has changed meanwhile; {outcome.reason}".rstrip("; ")
+                )
             if outcome.state not in ("stopped", "chosen"):
                 _name_results(folder / LOG, folder, job.folder)
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))

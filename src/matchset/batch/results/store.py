@@ -40,7 +40,17 @@ class Store(Protocol):
 
     What workers write for a batch they write under its mark. Once the next batch has begun, nothing is kept any more
     for the one before, whichever of its workers are still at it.
+
+    Attributes
+    ----------
+    ignores_case : bool
+        Whether a name in upper case is the same there as in lower case, while a batch writes.
     """
+
+    @property
+    def ignores_case(self) -> bool:
+        """See above."""
+        ...
 
     def begun(self, mark: str) -> contextlib.AbstractContextManager[None]:
         """Let workers write for the batch of this mark from now on, until the block ends, and for no other."""
@@ -133,6 +143,11 @@ class FolderStore:
         return self._own.is_dir()
 
     @property
+    def ignores_case(self) -> bool:
+        """See `Store`."""
+        return (self.path / UNFINISHED.upper()).is_dir()
+
+    @property
     def _own(self) -> Path:
         return self.path / UNFINISHED / (self._mark or "none")
 
@@ -217,6 +232,8 @@ class RemoteStore:
     ValueError
         If fsspec, or what it needs for this kind of URL, is not installed.
     """
+
+    ignores_case = False
 
     def __init__(self, url: str, mark: str = "") -> None:
         self._url, self._mark = url, mark

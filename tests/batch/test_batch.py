@@ -82,9 +82,11 @@ def test_second_run_does_nothing(matchset: Matchset, pools: list[HerePool], clip
     for _ in range(2):
         assert matchset("batch", clips, "--out", "results", "--color", color) == 0
     assert [len(pool.done) for pool in pools] == [4, 0]
+    before = Path("results/day0/ball0.mp4/tracks.csv").read_bytes()
     write_ball(clips / "day0" / "ball0.mp4", 3)
     write_ball(clips / "day0" / "new.mp4", 4)
     assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert Path("results/day0/ball0.mp4/tracks.csv").read_bytes() != before
     assert sorted(Path(job.video).name for job in pools[2].done) == ["ball0.mp4", "new.mp4"]
     assert len(rows(Path("results/videos.csv"))) == 5
 

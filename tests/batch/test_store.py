@@ -1,5 +1,6 @@
 """Results in a folder and at a URL: the same, whatever was there before."""
 
+import contextlib
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +18,7 @@ from matchset.batch.jobs.work import UnfitWorkerError, do_job
 from matchset.batch.options import BatchOptions
 from matchset.batch.results import lock
 from matchset.batch.results.lock import Owner, RemoteLock
-from matchset.batch.results.store import FolderStore, Store, store_at
+from matchset.batch.results.store import FolderStore, Store, SupersededError, store_at
 
 
 @pytest.fixture(params=["folder", "url"])
@@ -45,6 +46,39 @@ def test_a_folder_takes_the_place_of_the_one_before(store: Store) -> None:
         store.remove("a/b")
         assert store.names("a/b") == []
         store.remove("a/b")
+
+
+def test_nothing_is_kept_for_a_batch_that_is_not_the_last(store: Store, tmp_path: Path) -> None:
+    keep(store, tracks_csv="1", why_png="2", run_json="3")
+    url = f"memory://{tmp_path.name}/results"
+    other = FolderStore(tmp_path / "results") if isinstance(store, FolderStore) else store_at(url)
+    with store.begun("old"), store.unfinished() as folder:
+        for name in ("tracks.csv", "run.json"):
+            (folder / name).write_text("old")
+        assert store.is_current()
+        with other.begun("new"):
+            assert not store.is_current()
+            assert other.is_current()
+            with pytest.raises((SupersededError, FileNotFoundError)):
+                store.keep(folder, "a/b")
+            with contextlib.suppress(SupersededError):
+                store.remove("a/b")
+            assert store.names("a/b") == ["run.json", "tracks.csv", "why.png"]
+            assert store.read("a/b/tracks.csv") == b"1"
+
+
+def test_what_says_that_files_are_whole_comes_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fsspec = pytest.importorskip("fsspec", reason="fsspec is not installed")
+    memory, written = fsspec.get_filesystem_class("memory"), list[str]()
+    put_file = memory.put_file
+
+    def note(files: object, path: str, name: str, **more: object) -> None:
+        written.append(name.rpartition("/")[2])
+        put_file(files, path, name, **more)
+
+    monkeypatch.setattr(memory, "put_file", note)
+    keep(store_at(f"memory://{tmp_path.name}/last"), why_png="1", run_json="2", tracks_csv="3", a_txt="4")
+    assert written == ["a.txt", "tracks.csv", "why.png", "run.json"]
 
 
 def test_files(store: Store, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from benchmarks.mutants.run import Outcome, Runner, Verdict
 from benchmarks.mutants.table import BEGIN, END, table, write_table
 
 MUTANTS = load()
-LISTS = "safety", "links", "sharing", "firmware", "control", "localization", "tracking", "fitting"
+LISTS = "safety", "links", "sharing", "batch", "firmware", "control", "localization", "tracking", "fitting"
 
 
 @pytest.mark.parametrize("path", sorted({mutant.path for mutant in MUTANTS}))

@@ -74,7 +74,7 @@ class Plan:
     def job(self, video: str, folder: str, size: int) -> Job:
         """Return the job of a video (ValueError if nothing says what to follow in it)."""
         options, auto = self.choice.options(video, folder)
-        settings = settings_digest(options, f"{code_digest()} auto={auto} split={self.split}")
+        settings = settings_digest(options, f"{code_digest(every=False)} auto={auto} split={self.split}")
         return Job(
             video=video,
             folder=folder,

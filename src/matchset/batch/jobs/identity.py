@@ -4,6 +4,7 @@ import functools
 import hashlib
 import os
 import platform
+import re
 import socket
 import stat
 import zlib
@@ -11,16 +12,25 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 DECIDING = ".py", ".npz", ".toml"  # format: endings of files of the package that decide about answers
+APART = re.compile(r"(live|flight|sharing)/|cli\.py|batch/(?!jobs/|split/)")  # format: on these no result depends
 PIECE = 1 << 20  # format: bytes of a video that are read at once
 PACKAGE = Path(__file__).parents[2]
 
 
 @functools.cache
-def code_digest() -> str:
-    """Return the version of this program, and a check sum of its sources, its data and the versions of libraries."""
+def code_digest(every: bool = True) -> str:
+    """Return the version of this program, and a check sum of its sources, its data and the versions of libraries.
+
+    Parameters
+    ----------
+    every : bool
+        Whether of all sources, which must be the same in all workers; else of those on which results depend.
+    """
     digest = hashlib.sha256()
     for path in sorted(path for path in PACKAGE.rglob("*") if path.suffix in DECIDING):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes())
+        name = path.relative_to(PACKAGE).as_posix()
+        if every or not APART.match(name):
+            digest.update(name.encode() + b"\0" + path.read_bytes())
     libraries = [f"{name} {_version(name)}" for name in ("numpy", "scipy", "numba", "opencv-python-headless", "av")]
     digest.update(repr(libraries).encode())
     return f"{_version('matchset')} {digest.hexdigest()[:16]}"

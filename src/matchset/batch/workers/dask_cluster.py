@@ -115,7 +115,6 @@ class DaskCluster:
         self._jobs: dict[Any, Job] = {}
         self._begun: dict[str, float] = {}
         self._unfit = dict[str, str]()
-        self._deaths: dict[str, int] = {}
         self._waiting: list[Job] = []
         self._fit: dict[str, int] = {}
         self._looked = -PARAMETERS.look
@@ -212,8 +211,7 @@ class DaskCluster:
             return None
         self._begun.pop(job.folder, None)
         if type(error).__name__ == "KilledWorker":
-            size, modified = stat_of(job.video)
-            return Answer(job, msgspec.structs.replace(died(job, RETRY.deaths), size=size, modified=modified))
+            return Answer(job, died(job, RETRY.deaths))
         return Answer(job, error=error) if isinstance(error, Exception) else Answer(job, future.result())
 
     def _refuse(self, error: UnfitWorkerError) -> None:

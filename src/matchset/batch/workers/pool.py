@@ -5,6 +5,7 @@ from typing import Protocol, Self
 
 import msgspec
 
+from matchset.batch.jobs.identity import stat_of
 from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.videos import plain_name
 
@@ -84,22 +85,22 @@ class Pool(Protocol):
 
 def vanished(job: Job) -> VideoOutcome:
     """Return what is said of a video that is not there any more."""
-    return VideoOutcome(
-        video=plain_name(job.video),
-        folder=job.folder,
-        settings=job.settings,
-        state="failed",
-        reason="no such file any more",
-    )
+    return _failed(job, "no such file any more")
 
 
 def died(job: Job, deaths: int) -> VideoOutcome:
     """Return what is said of a video over which workers have died."""
+    return _failed(job, f"{deaths} workers died over it")
+
+
+def _failed(job: Job, reason: str) -> VideoOutcome:
+    size, modified = stat_of(job.video)
     return VideoOutcome(
         video=plain_name(job.video),
         folder=job.folder,
         settings=job.settings,
         state="failed",
-        reason=f"{deaths} workers died over it",
-        size=job.size,
+        reason=reason,
+        size=size,
+        modified=modified,
     )

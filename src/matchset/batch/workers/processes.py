@@ -9,8 +9,6 @@ from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
 from typing import Any, Self
 
-import msgspec
-
 from matchset.batch.jobs.identity import stat_of
 from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.work import UnfitWorkerError, do_job
@@ -118,8 +116,7 @@ class Processes:
             slot.renew()
             self._deaths[job.video] = deaths = self._deaths.get(job.video, 0) + 1
             if deaths >= RETRY.deaths:
-                size, modified = stat_of(job.video)
-                return Answer(job, msgspec.structs.replace(died(job, deaths), size=size, modified=modified))
+                return Answer(job, died(job, deaths))
             self.notes.append(f"a worker died over {job.video}: once more")
             self._again.append(job)
             return None

@@ -12,8 +12,9 @@ PROGRAM = """
 import sys, time
 import matchset.sharing.share as sharing
 from sharing_poses import LEVEL
+clock = None
 {first}
-with sharing.Share({name!r}, key={key!r}, **{network!r}) as share:
+with sharing.Share({name!r}, key={key!r}, clock=clock, **{network!r}) as share:
     print("ready", flush=True)
     while True:
         share.publish({{"ball": LEVEL}}, {taken})
@@ -22,10 +23,9 @@ with sharing.Share({name!r}, key={key!r}, **{network!r}) as share:
         time.sleep(1 / 30)
 """
 HOUR_OFF = """
-import time as clock
-sharing.monotonic = lambda: clock.monotonic() + 3600.0
-real = clock.time
-clock.time = lambda: real() + 3600.0
+right, through_sleep = time.time, sharing.Clock().now
+time.time = lambda: right() + 3600.0
+clock = sharing.Clock(lambda: through_sleep() + 3600.0)
 """
 """Before a partner shares: its clocks are an hour ahead."""
 NEWER = """
@@ -37,7 +37,7 @@ LONGEST = 60.0  # s, that a test waits for what must happen
 
 
 def begun(
-    name: str, key: str, first: str = "", taken: str = "sharing.monotonic()", **network: object
+    name: str, key: str, first: str = "", taken: str = "time.monotonic()", **network: object
 ) -> subprocess.Popen[str]:
     """Begin a partner, and wait until it shares."""
     program = PROGRAM.format(name=name, key=key, first=first, taken=taken, network=network)

@@ -78,6 +78,35 @@ def test_any_words_become_a_name_that_ros_allows(words: str) -> None:
     assert "__" not in ros_name(words)
 
 
+NAMES = st.text(max_size=12) | st.text(alphabet="aB1 _-/äжF", max_size=12)
+
+
+@given(st.sets(NAMES, max_size=64), st.sampled_from([" ", "_"]))
+def test_different_words_never_become_the_same_name(words: set[str], joint: str) -> None:
+    names = {each: ros_name(each, joint) for each in words}
+    assert len(set(names.values())) == len(words)
+    assert all(re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*", name) for name in names.values())
+
+
+@pytest.mark.parametrize(
+    ("words", "joint", "name"),
+    [
+        ("ball", " ", "ball"),
+        ("ball 1", " ", "ball_1"),
+        ("ball_1", " ", "ball_1_7d877783"),
+        ("ball_1", "_", "ball_1"),
+        ("ball 7d877783", " ", "ball_7d877783_36bca702"),
+        ("2", " ", "target_2_f6c78813"),
+        ("Bälle", " ", "Balle_36952468"),
+        ("мяч", " ", "target_138d9124"),
+        ("球", " ", "target_28b5a676"),
+        ("", " ", "target_1271cf25"),
+    ],
+)
+def test_names_are_those_that_the_rule_gives(words: str, joint: str, name: str) -> None:
+    assert ros_name(words, joint) == name
+
+
 @given(st.integers(0, 2**62), st.integers(0, 2**62))
 def test_zenoh_itself_reads_what_is_attached(number: int, stamp: int) -> None:
     zenoh: Any = pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
@@ -103,7 +132,7 @@ def listener() -> Iterator[Connection]:
 
 def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Connection, typestore: Any) -> None:
     name = f"left{secrets.token_hex(4)}"
-    heard, tokens = dict[str, bytes](), set[str]()
+    heard, tokens = dict[str, bytes | None](), set[str]()
     listener.listen(f"{DOMAIN}/{name}/**", heard.__setitem__)
     listener.watch(f"@ros2_lv/{DOMAIN}/**", lambda key, _: tokens.add(key))
     pose_key = f"{DOMAIN}/{name}/blue_ball/pose/{dds_type(POSE)}/{HASHES[POSE]}"
@@ -122,7 +151,7 @@ def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Conn
         assert {token.split("/")[9] for token in mine if "/MP/" in token} == {
             f"%{name}%detections",
             f"%{name}%blue_ball%pose",
-            f"%{name}%target_2%pose",
+            f"%{name}%{ros_name('2')}%pose",
         }
         assert sum("/NN/" in token for token in mine) == 1
         assert all(re.fullmatch(PUBLISHER, token) for token in mine if "/MP/" in token)

@@ -15,7 +15,7 @@ def test_one_that_comes_and_goes_does_not_hide_what_others_do() -> None:
     lines.say("right", ["right: here"], 3.0)
     assert lines.take(4.0) == ["left: 0", "left: 1", "left: 2", "right: here"]
     assert lines.take(60.0) == []
-    assert lines.take(61.5) == ["others: 997 more lines in 60 s"]
+    assert lines.take(61.1) == ["others: 997 more lines in 60 s"]
     lines.say("left", ["left: gone"], 62.0)
     assert lines.take(200.0) == ["left: gone"]
 
@@ -49,4 +49,4 @@ def test_who_never_asks_does_not_keep_them_all() -> None:
     lines = Lines(FEW)
     for number in range(10_000):
         lines.say(str(number), ["here"], 20.0 * number)
-    assert len(lines.take(2e5)) <= 4 * FEW.together
+    assert lines.take(2e5) == [*["here"] * FEW.together, "others: 9995 more lines in 199900 s"]

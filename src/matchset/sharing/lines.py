@@ -1,6 +1,7 @@
 """What is said of partners, a line each, and never too much of it: `Lines`."""
 
-from collections import Counter, deque
+import math
+from collections import Counter
 from collections.abc import Iterable
 
 import msgspec
@@ -30,7 +31,7 @@ class LineParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 class Lines:
-    """Keeps lines until they are taken; those of a period that are too many are counted, and told as one at its end.
+    """Keeps lines until they are taken; those that are too many are counted, and told as one line a period later.
 
     Parameters
     ----------
@@ -39,19 +40,24 @@ class Lines:
 
     def __init__(self, parameters: LineParameters) -> None:
         self._parameters = parameters
-        self._lines: deque[str] = deque(maxlen=4 * parameters.together)
-        self._begin, self._said, self._left_out = -parameters.period, Counter[str](), 0
-        self._once = set[str]()
+        self._lines, self._once = list[str](), set[str]()
+        self._begin, self._said = -math.inf, Counter[str]()
+        self._left_out, self._since = 0, 0.0
 
     def say(self, about: str, lines: Iterable[str], now: float) -> None:
         """Say lines about a partner, or count them."""
-        self._look(now)
+        limits = self._parameters
+        if now - self._begin >= limits.period:
+            self._begin = now
+            self._said.clear()
         for line in lines:
-            if self._said[about] >= self._parameters.partner or self._said.total() >= self._parameters.together:
-                self._left_out += 1
-            else:
+            several = max(self._said.total(), len(self._lines))
+            if self._said[about] < limits.partner and several < limits.together:
                 self._said[about] += 1
                 self._lines.append(line)
+            else:
+                self._since = self._since if self._left_out else now
+                self._left_out += 1
 
     def say_once(self, kind: str, line: str) -> None:
         """Say a line that counts as none of these, unless one of this kind was said before."""
@@ -61,16 +67,8 @@ class Lines:
 
     def take(self, now: float) -> list[str]:
         """Return the lines since the last call."""
-        self._look(now)
-        lines = list(self._lines)
-        self._lines.clear()
+        lines, self._lines = self._lines, []
+        if self._left_out and now - self._since >= self._parameters.period:
+            lines.append(f"others: {self._left_out} more lines in {now - self._since:.0f} s")
+            self._left_out = 0
         return lines
-
-    def _look(self, now: float) -> None:
-        """Begin another period when one has ended."""
-        if now - self._begin < self._parameters.period:
-            return
-        if self._left_out:
-            self._lines.append(f"others: {self._left_out} more lines in {now - self._begin:.0f} s")
-        self._begin, self._left_out = now, 0
-        self._said.clear()

@@ -38,7 +38,8 @@ class NetworkTables(NotCopied, Closing):
     (deg, up), `targetPose` (x, y, z in m, and w, x, y, z of the rotation), the same as `targetPose3d`, a struct of
     WPILib, and `targetPoseStd` (m). Robots have x forward, y to the left, z up; all is seen from the camera. A rotation
     that is not observed is none (1, 0, 0, 0), and `rotationObserved` false. Each value has the time at which the
-    picture was taken.
+    picture was taken. Of a target that is not published any more `hasTarget` is false, and later nothing is there
+    (`NamedLately`).
 
     Parameters
     ----------
@@ -49,6 +50,8 @@ class NetworkTables(NotCopied, Closing):
         alone.
     port : int
         Of the server.
+    clock : Clock, optional
+        Of pictures, and through sleep.
 
     Raises
     ------
@@ -58,10 +61,10 @@ class NetworkTables(NotCopied, Closing):
         If ntcore is not installed.
     """
 
-    def __init__(self, name: str, server: str | int | None, port: int = PORT) -> None:
+    def __init__(self, name: str, server: str | int | None, port: int = PORT, *, clock: Clock | None = None) -> None:
         self.name, self._server = checked_name(name), server
         self._publishers, self._named = dict[str, dict[str, Any]](), NamedLately()
-        self._clock = Clock()
+        self._clock = clock or Clock()
         self._ages = PictureAges(self._clock)
         checked_count("the port of NetworkTables", port, 1, 65_535)
         if server is not None:

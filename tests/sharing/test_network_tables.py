@@ -78,6 +78,7 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
 
 def test_values_of_targets_that_are_gone_are_withdrawn(robot: Any, port: int) -> None:
     robot.startServer("", "127.0.0.1", 0, port)
+    listener = ntcore.MultiSubscriber(robot, ["/matchset/"])
     passed, right = [0.0], Clock()
     clock = Clock(lambda: right.now() + passed[0], lambda: right.awake() + passed[0])
 
@@ -96,6 +97,7 @@ def test_values_of_targets_that_are_gone_are_withdrawn(robot: Any, port: int) ->
         until(lambda: told() == {"kept"})
         tables.publish({"ball 3": FULL}, 10.0, 10.0)
         until(lambda: told() == {"kept", "ball 3"})
+    listener.close()
 
 
 def test_it_serves_where_there_is_no_robot(robot: Any, port: int) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from matchset.sharing.share import Share
+from sharing_poses import LEVEL
 
 PROGRAM = """
 import sys, time
@@ -59,6 +60,12 @@ def until(happens: Callable[[], object], process: "subprocess.Popen[str] | None"
         assert process is None or process.poll() is None, process.communicate()
         assert time.monotonic() < end
         time.sleep(0.005)
+
+
+def told(share: Share) -> bool:
+    """Publish a pose of now; True."""
+    share.publish(LEVEL, time.monotonic())
+    return True
 
 
 class Heard:

@@ -134,7 +134,7 @@ def test_cameras_and_another_source_do_not_disturb_each_other() -> None:
 
     def hear(stream: int) -> None:
         try:
-            for number in range(400):
+            for number in range(2000):
                 shown.hear(stream, pictures[number % 8])
         except Exception as error:
             errors.append(error)

@@ -1,5 +1,6 @@
 """Somebody sends without end, under many names or a partner's: what is decoded is counted, and partners are heard."""
 
+import functools
 import secrets
 import threading
 import time
@@ -13,9 +14,9 @@ import matchset.sharing.share as sharing
 from matchset.sharing.connection import Connection, zenoh_settings
 from matchset.sharing.inbox import InboxParameters
 from matchset.sharing.lines import LineParameters
-from matchset.sharing.messages import ENCODING, FORMAT, MOST_BYTES, MOST_TARGETS, TargetsMessage, written
+from matchset.sharing.messages import ENCODING, FORMAT, MOST_BYTES, MOST_TARGETS, TargetsMessage, read_targets, written
 from sharing_poses import LEVEL, target_messages
-from sharing_processes import Heard, until
+from sharing_processes import Heard, told, until
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
 
@@ -39,7 +40,7 @@ def share(key: str) -> Iterator[ms.Share]:
 def left(share: ms.Share, key: str) -> Iterator[ms.Share]:
     """A partner, which is heard."""
     with ms.Share("left", key=key) as made:
-        until(lambda: [made.publish(LEVEL, time.monotonic()), any(share.others())][1])
+        until(lambda: told(made) and any(share.others()))
         yield made
 
 
@@ -61,7 +62,7 @@ class Decoded:
 
     def __init__(self, patch: pytest.MonkeyPatch) -> None:
         self.sizes, self.threads = list[int](), set[str]()
-        read = sharing.read_targets
+        read = read_targets
 
         def counted(data: bytes | None) -> Any:
             self.threads.add(threading.current_thread().name)
@@ -70,6 +71,10 @@ class Decoded:
             return read(data)
 
         patch.setattr(sharing, "read_targets", counted)
+
+
+def has_dropped(share: ms.Share, count: int) -> bool:
+    return share._inbox.dropped >= count
 
 
 def waiting(share: ms.Share) -> int:
@@ -90,16 +95,16 @@ def test_of_a_flood_of_strangers_a_look_decodes_few_messages(
     senders = [stranger.publisher(f"{key}/targets/stranger{each}", ENCODING) for each in range(50)]
     data = [message(f"stranger{each}", 0) for each in range(50)]
     for look in range(20):
-        before = share._inbox.dropped
+        expected = share._inbox.dropped + 1
         for send, each in zip(5 * senders, 5 * data, strict=True):
             send(each, None)
-        until(lambda before=before: share._inbox.dropped > before)
+        until(functools.partial(has_dropped, share, expected))
         decoded.sizes.clear()
         left.publish(LEVEL, time.monotonic())
         share.others()
         assert len(decoded.sizes) <= LIMITS.partners + LIMITS.strangers, look
         assert sum(decoded.sizes[:-1]) < LIMITS.decoded
-    until(lambda: [left.publish(LEVEL, time.monotonic()), any(share.others())][1])
+    until(lambda: told(left) and any(share.others()))
     assert decoded.threads == {"MainThread", "matchset share"}
     assert 1 <= heard.count("messages of too many senders were left out so far") <= 5
 
@@ -163,12 +168,12 @@ def test_of_too_many_targets_the_rest_is_left_out_and_told_once(
         return heard.has("left out, 256 targets of partners are kept at most")
 
     until(flooded)
-    until(lambda: [left.publish(LEVEL, time.monotonic()), any(share.others())][1])
+    until(lambda: told(left) and any(share.others()))
     stranger.withdraw(*(f"{key}/alive/{name}" for name in names))
     until(lambda: sum(each.here for each in share.partners()) == 1)
     assert heard.count("targets of partners are kept") == 1
     with ms.Share("late", key=key) as late:  # those that are gone make room
-        until(lambda: [late.publish(LEVEL, time.monotonic()), share.others()[0].partner == "late"][1])
+        until(lambda: told(late) and share.others()[0].partner == "late")
 
 
 @pytest.mark.usefixtures("left")

@@ -8,7 +8,7 @@ import pytest
 import matchset as ms
 from matchset.sharing.clock import Clock
 from sharing_poses import LEVEL
-from sharing_processes import Heard, until
+from sharing_processes import Heard, told, until
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
 
@@ -57,7 +57,7 @@ def test_what_came_before_this_computer_slept_is_old_and_what_comes_then_is_not(
 def test_a_short_sleep_is_enough(key: str) -> None:
     laptop = Laptop()
     with ms.Share("me", key=key, clock=laptop.clock) as share, ms.Share("left", key=key) as left:
-        until(lambda: [left.publish(LEVEL, time.monotonic()), any(share.others())][1])
+        until(lambda: told(left) and any(share.others()))
         laptop.slept = 0.6
         assert not any(share.others())
 
@@ -74,10 +74,10 @@ def test_a_picture_from_before_the_sleep_is_not_new_for_others(key: str) -> None
         until(lambda: seen(time.monotonic(), None))
         taken, laptop.slept = time.monotonic(), 3600.0
 
-        def told() -> bool:
+        def refused() -> bool:
             assert not seen(taken, taken + 0.1)
             return left.others()[0].reason.startswith("it is 3600.")
 
-        until(told)
+        until(refused)
         until(lambda: seen(time.monotonic(), None))
         assert not heard.has("slept")

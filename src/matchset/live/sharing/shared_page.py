@@ -37,10 +37,9 @@ class SharedPage(Panel, Closing):
     name = "sharing"
 
     def __init__(self, share: Share, note: Callable[[str], None]) -> None:
-        self._share, self._note = share, note
+        self._share, self._note, self._refused = share, note, False
         self._lock = threading.Lock()  # pictures come from a thread for each camera, another source from the server's
         self._seen: dict[int, tuple[float, list[SentTarget]]] = {}
-        self._refused = False
 
     def hear(self, stream: int, seen: StreamPicture) -> None:
         """Publish the targets of a picture, with the newest of the other streams."""
@@ -53,8 +52,8 @@ class SharedPage(Panel, Closing):
                 self._publish(seen.frame.time + seen.state.age)
             except (ValueError, TypeError) as error:  # such as a number that is too large to be told: the page goes on
                 if not self._refused:
-                    self._refused = True
                     self._note(f"not shared: {error}")
+                self._refused = True
 
     def changed(self, feed: Feed | None) -> None:  # noqa: ARG002
         """Forget what was shown before."""

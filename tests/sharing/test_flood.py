@@ -73,10 +73,6 @@ class Decoded:
         patch.setattr(sharing, "read_targets", counted)
 
 
-def has_dropped(share: ms.Share, count: int) -> bool:
-    return share._inbox.dropped >= count
-
-
 def waiting(share: ms.Share) -> int:
     return len(share._inbox._partners) + len(share._inbox._strangers)
 
@@ -94,18 +90,21 @@ def test_of_a_flood_of_strangers_a_look_decodes_few_messages(
     heard, decoded = Heard(share), Decoded(monkeypatch)
     senders = [stranger.publisher(f"{key}/targets/stranger{each}", ENCODING) for each in range(50)]
     data = [message(f"stranger{each}", 0) for each in range(50)]
-    for look in range(20):
-        expected = share._inbox.dropped + 1
-        for send, each in zip(5 * senders, 5 * data, strict=True):
+
+    def flooded(dropped: int) -> bool:
+        for send, each in zip(senders, data, strict=True):
             send(each, None)
-        until(functools.partial(has_dropped, share, expected))
+        return share._inbox.dropped > dropped
+
+    for look in range(20):
+        until(functools.partial(flooded, share._inbox.dropped))
         decoded.sizes.clear()
         left.publish(LEVEL, time.monotonic())
         share.others()
         assert len(decoded.sizes) <= LIMITS.partners + LIMITS.strangers, look
         assert sum(decoded.sizes[:-1]) < LIMITS.decoded
     until(lambda: told(left) and any(share.others()))
-    assert decoded.threads == {"MainThread", "matchset share"}
+    assert decoded.threads <= {"MainThread", "matchset share"}
     assert 1 <= heard.count("messages of too many senders were left out so far") <= 5
 
 
@@ -140,16 +139,22 @@ def test_of_one_that_floods_only_the_newest_message_is_decoded(
 ) -> None:
     stranger.appear(f"{key}/alive/fast")
     until(lambda: share.partners())
-    send, decoded = stranger.publisher(f"{key}/targets/fast", ENCODING), Decoded(monkeypatch)
+    send, decoded, numbers = (
+        stranger.publisher(f"{key}/targets/fast", ENCODING),
+        Decoded(monkeypatch),
+        iter(range(10**9)),
+    )
     with share._lock:  # nobody looks
-        for number in range(1000):
-            send(message("fast", number, 1), None)
-        until(lambda: share._inbox._partners["fast"].messages >= 900 if share._inbox._partners else False)
-    share.partners()
-    assert len(decoded.sizes) <= 1
-    until(lambda: share.partners()[0].received >= 900)
+
+        def flooded() -> bool:
+            for _ in range(10):
+                send(message("fast", next(numbers), 1), None)
+            return bool(share._inbox._partners) and share._inbox._partners["fast"].messages > 500
+
+        until(flooded)
     (state,) = share.partners()
-    assert state.received + state.missed <= 1000
+    assert len(decoded.sizes) <= 1
+    assert 500 < state.received + state.missed <= next(numbers)
 
 
 def test_of_too_many_targets_the_rest_is_left_out_and_told_once(

@@ -33,6 +33,8 @@ def test_a_look_reads_few_bytes_and_nothing_waits_for_ever(sent: list[tuple[str,
     for name, size, known in sent:
         if inbox.put(name, bytes(size), 0.0, known):
             newest[name, known] = size
+            if known:
+                newest.pop((name, False), None)
     read = list[int]()
     for _ in range(5 + 1):
         taken = inbox.take()
@@ -42,6 +44,13 @@ def test_a_look_reads_few_bytes_and_nothing_waits_for_ever(sent: list[tuple[str,
         read += sizes
     assert sorted(read) == sorted(newest.values())
     assert inbox.take() == []
+
+
+def test_a_stranger_that_becomes_a_partner_has_sent_all_of_it() -> None:
+    inbox = Inbox(SMALL)
+    inbox.put("left", b"0", 1.0, known=False)
+    inbox.put("left", b"1", 2.0, known=True)
+    assert inbox.take() == [Waiting("left", b"1", 2.0, 2)]
 
 
 def test_what_is_too_long_waits_without_its_bytes() -> None:

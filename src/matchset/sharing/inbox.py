@@ -79,11 +79,12 @@ class Inbox:
         limits = self._parameters
         waiting, most = (self._partners, limits.partners) if known else (self._strangers, limits.strangers)
         with self._lock:
-            before = waiting.get(name)
-            if before is None and len(waiting) >= most:
+            if name not in waiting and len(waiting) >= most:
                 self.dropped += 1
                 return False
-            waiting[name] = Waiting(name, data, now, 1 if before is None else before.messages + 1)
+            stranger = self._strangers.pop(name, None) if known else None  # it has become a partner meanwhile
+            before = [each.messages for each in (waiting.get(name), stranger) if each is not None]
+            waiting[name] = Waiting(name, data, now, sum(before, 1))
             return True
 
     def take(self) -> list[Waiting]:

@@ -23,6 +23,7 @@ from matchset.sharing.messages import (
     ENCODING,
     FORMAT,
     MOST_BYTES,
+    MOST_TARGETS,
     ClockMessage,
     ForeignMessageError,
     OffsetMessage,
@@ -329,7 +330,7 @@ class Share(NotCopied, Closing):
             known = [(each, each.offset.at(now)) for each in self._partners.values() if each.here]
         return [
             OffsetMessage(partner=each.name, run=each.run, offset=at.seconds, uncertainty=at.uncertainty)
-            for each, at in known
+            for each, at in known[:MOST_TARGETS]
             if at is not None and each.run is not None
         ]
 

@@ -7,13 +7,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from matchset.sharing.share import Share
+from sharing_poses import LEVEL
 
 PROGRAM = """
 import sys, time
 import matchset.sharing.share as sharing
 from sharing_poses import LEVEL
+clock = None
 {first}
-with sharing.Share({name!r}, key={key!r}, **{network!r}) as share:
+with sharing.Share({name!r}, key={key!r}, clock=clock, **{network!r}) as share:
     print("ready", flush=True)
     while True:
         share.publish({{"ball": LEVEL}}, {taken})
@@ -22,10 +24,9 @@ with sharing.Share({name!r}, key={key!r}, **{network!r}) as share:
         time.sleep(1 / 30)
 """
 HOUR_OFF = """
-import time as clock
-sharing.monotonic = lambda: clock.monotonic() + 3600.0
-real = clock.time
-clock.time = lambda: real() + 3600.0
+right, through_sleep = time.time, sharing.Clock().now
+time.time = lambda: right() + 3600.0
+clock = sharing.Clock(lambda: through_sleep() + 3600.0)
 """
 """Before a partner shares: its clocks are an hour ahead."""
 NEWER = """
@@ -37,7 +38,7 @@ LONGEST = 60.0  # s, that a test waits for what must happen
 
 
 def begun(
-    name: str, key: str, first: str = "", taken: str = "sharing.monotonic()", **network: object
+    name: str, key: str, first: str = "", taken: str = "time.monotonic()", **network: object
 ) -> subprocess.Popen[str]:
     """Begin a partner, and wait until it shares."""
     program = PROGRAM.format(name=name, key=key, first=first, taken=taken, network=network)
@@ -59,6 +60,12 @@ def until(happens: Callable[[], object], process: "subprocess.Popen[str] | None"
         assert process is None or process.poll() is None, process.communicate()
         assert time.monotonic() < end
         time.sleep(0.005)
+
+
+def told(share: Share) -> bool:
+    """Publish a pose of now; True."""
+    share.publish(LEVEL, time.monotonic())
+    return True
 
 
 class Heard:

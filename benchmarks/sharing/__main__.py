@@ -56,7 +56,7 @@ def measured(seconds: float, loss: float) -> Lateness:
     with Connection(zenoh_settings("loopback", (), ())) as connection, ms.Share("receiver", key=key) as share:
         connection.listen(
             f"{key}/plain",
-            lambda _, data: plain.append(time.monotonic() - msgspec.msgpack.decode(data, type=Stamped).sent),
+            lambda _, data: plain.append(time.monotonic() - msgspec.msgpack.decode(data or b"", type=Stamped).sent),
         )
         words = [sys.executable, "-m", "benchmarks.sharing.sender", key, str(loss), str(SEED)]
         sender = subprocess.Popen(words)

@@ -1,7 +1,9 @@
 """What the page shows is shared, and what others share is on the page: two sessions in one process."""
 
 import secrets
-from collections.abc import Iterator
+import sys
+import threading
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -10,9 +12,9 @@ import pytest
 import matchset as ms
 from live_feeds import MadeUpFeed, seen_of, shown
 from matchset.live.session import Session
-from matchset.live.sharing.shared_page import shared_page
+from matchset.live.sharing.shared_page import SharedPage, shared_page
 from matchset.live.sharing.state import SharingState
-from matchset.sharing.sent_targets import Shareable
+from matchset.sharing.sent_targets import SentTarget, Shareable
 from sharing_poses import LEVEL
 from sharing_processes import until
 
@@ -101,6 +103,56 @@ def test_another_source_forgets_what_was_shown(page: tuple[Session, MadeUpFeed],
             return len(other.others()) == 3
 
         until(seen)
+
+
+class CountingShare:
+    """Keeps what is published last, and takes part in nothing."""
+
+    def __init__(self) -> None:
+        self.published, self.unequal = 0, 0
+
+    def publish(self, found: Sequence[SentTarget], times: Mapping[str, float], _: float) -> None:
+        self.published += 1
+        self.unequal += {each.name for each in found} != set(times)
+
+
+@pytest.fixture
+def restless() -> Iterator[None]:
+    """Threads take turns after each few instructions."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("restless")
+def test_cameras_and_another_source_do_not_disturb_each_other() -> None:
+    share, notes, errors = CountingShare(), list[str](), list[Exception]()
+    shown: Any = SharedPage(share, notes.append)  # type: ignore[arg-type]
+    pictures = [seen_of(number, targets=3) for number in range(8)]
+    hearing = threading.Event()
+
+    def hear(stream: int) -> None:
+        try:
+            for number in range(2000):
+                shown.hear(stream, pictures[number % 8])
+        except Exception as error:
+            errors.append(error)
+
+    def change() -> None:
+        while not hearing.is_set():
+            shown.changed(None)
+
+    threads = [threading.Thread(target=hear, args=(stream,)) for stream in range(2)]
+    changing = threading.Thread(target=change)
+    for each in (*threads, changing):
+        each.start()
+    for each in threads:
+        each.join()
+    hearing.set()
+    changing.join()
+    assert (errors, share.unequal, notes) == ([], 0, [])
+    assert share.published > 0
 
 
 def test_the_state_is_short(page: tuple[Session, MadeUpFeed]) -> None:

@@ -11,6 +11,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
+from matchset.sharing.clock import Clock
+from matchset.sharing.messages import MOST_TARGETS
 from matchset.sharing.network_tables import robot_deviations, robot_pose
 from matchset.sharing.sent_targets import Shareable
 from sharing_poses import FULL, LEVEL, TRACK
@@ -72,6 +74,30 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
         until(lambda: seen.get())
         tables.publish({"late": LEVEL}, 12.0, 12.25)  # one that is not told any more is not there any more
         until(lambda: not seen.get())
+
+
+def test_values_of_targets_that_are_gone_are_withdrawn(robot: Any, port: int) -> None:
+    robot.startServer("", "127.0.0.1", 0, port)
+    listener = ntcore.MultiSubscriber(robot, ["/matchset/"])
+    passed, right = [0.0], Clock()
+    clock = Clock(lambda: right.now() + passed[0], lambda: right.awake() + passed[0])
+
+    def told() -> set[str]:
+        return {each.getName().split("/")[3] for each in robot.getTopics("/matchset/left/") if each.exists()}
+
+    with ms.NetworkTables("left", "127.0.0.1", port, clock=clock) as tables:
+        until(lambda: tables.connected)
+        for number in range(200):
+            tables.publish({f"ball {number}": FULL, "kept": LEVEL}, 10.0, 10.0)
+            assert len(tables._publishers) <= MOST_TARGETS
+        tables.publish({"kept": LEVEL}, 10.0, 10.0)
+        until(lambda: len(told()) == MOST_TARGETS)
+        passed[0] = 11.0
+        tables.publish({"kept": ms.Lost("hidden", 0.0)}, 10.0, 10.0)
+        until(lambda: told() == {"kept"})
+        tables.publish({"ball 3": FULL}, 10.0, 10.0)
+        until(lambda: told() == {"kept", "ball 3"})
+    listener.close()
 
 
 def test_it_serves_where_there_is_no_robot(robot: Any, port: int) -> None:

@@ -135,6 +135,30 @@ def test_lost_messages_are_counted_from_the_first_that_came() -> None:
     assert (made.state(1.0).received, made.state(1.0).missed) == (3, 3)
 
 
+def test_messages_that_nobody_looked_at_are_not_missed() -> None:
+    made = partner()
+    made.take(message(0, 1.0), 1.0)
+    made.take(message(5, 1.0), 1.0, 3)
+    assert (made.state(1.0).received, made.state(1.0).missed) == (4, 2)
+
+
+def test_who_has_slept_measures_every_clock_anew_and_so_do_partners() -> None:
+    made = synchronized()
+    made.woken(2)
+    assert only(made, 10.05).reason == "the clock of the partner is not known yet"
+    before = OffsetMessage(partner="me", run=1, offset=0.0, uncertainty=0.002)
+    made.take(message(1, 10.0, offsets=[before]), 10.05)
+    assert made.offset.at(10.05) is None
+    made.take(message(2, 10.0, offsets=[msgspec.structs.replace(before, run=2)]), 10.06)
+    assert only(made, 10.07)
+
+
+def test_poses_have_their_time_on_the_clock_of_pictures() -> None:
+    (found,) = synchronized().targets(10.1, AGES, 3.0)
+    assert isinstance(found.pose, ms.Pose)
+    assert found.pose.time == pytest.approx(7.0, abs=0.0011)
+
+
 def test_a_partner_that_begins_anew_is_told_and_its_past_does_not_come_back() -> None:
     made = synchronized()
     assert made.take(message(0, 11.0, run=8), 11.0) == ["left: began anew"]

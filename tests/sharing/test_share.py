@@ -54,7 +54,7 @@ def partner() -> Iterator[Begin]:
 
 
 def test_poses_come_with_age_and_uncertainty(share: ms.Share, key: str, partner: Begin) -> None:
-    partner("left", key, taken="sharing.monotonic() - 0.1")
+    partner("left", key, taken="time.monotonic() - 0.1")
     until(lambda: any(share.others()))
     (found,) = share.others()
     until(lambda: (state := share.partners()[0]).received > 20 and state.offset is not None)

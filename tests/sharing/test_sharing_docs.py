@@ -11,8 +11,12 @@ import pytest
 
 import matchset as ms
 from matchset.sharing.clock_offset import ExchangeParameters
+from matchset.sharing.inbox import InboxParameters
+from matchset.sharing.lines import LineParameters
 from matchset.sharing.messages import MOST_BYTES, MOST_TARGETS
 from matchset.sharing.partner import PartnerParameters
+from matchset.sharing.ros2.ros_keys import ros_name
+from matchset.sharing.share import ShareParameters
 from matchset.sharing.shared_target import AgeParameters
 from matchset.sim.clips.clip import Clip
 from sharing_poses import LEVEL
@@ -61,4 +65,11 @@ def test_its_figures_are_those_of_the_code() -> None:
     assert "Every two seconds each computer asks each other one four times" in PAGE
     assert f"grows by {1e3 * clock.drift:g} ms a second" in PAGE
     assert f"silent for {partner.silence:.1f} s" in PAGE
+    inbox, lines, share = InboxParameters(), LineParameters(), ShareParameters()
+    assert f"of each of {inbox.partners} partners the newest message waits, and of {inbox.strangers} strangers" in PAGE
+    assert f"decodes {inbox.decoded // 1024} KB at most, and {inbox.targets} targets of all are kept" in PAGE
+    assert f"{lines.partner} lines of one partner in {lines.period:g} s, {lines.together} of all" in PAGE
+    assert f"every {share.look:g} s" in PAGE
+    assert f"`ball_1` is `{ros_name('ball_1')}`, `мяч` is `{ros_name('мяч')}`" in PAGE
+    assert f"{MOST_TARGETS} targets have topics at a time" in PAGE
     assert f"{MOST_TARGETS} targets and {MOST_BYTES // 1024} KB at most" in PAGE

@@ -5,6 +5,7 @@ Nothing listens beyond this computer unless that is asked for: `zenoh_settings`.
 
 import contextlib
 import json
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -22,7 +23,9 @@ RETRY = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor":
 FOREVER_MS = -1  # format: of Zenoh
 LEASE_MS = 3000  # format: of Zenoh: without a sign of life for so long a connection is closed
 
-Take = Callable[[str, bytes], None]
+LONGEST_BYTES = 131_072  # format: of a message from another computer that is put together from parts; 1 GB is Zenoh's
+
+Take = Callable[[str, bytes | None], None]
 Settings = dict[str, Any]
 
 
@@ -55,6 +58,7 @@ def zenoh_settings(discovery: Discovery, listen: Sequence[str], connect: Sequenc
         "connect/retry": RETRY,
         "scouting/multicast/enabled": discovery == "network",
         "transport/link/tx/lease": LEASE_MS,
+        "transport/link/rx/max_message_size": LONGEST_BYTES,
     }
 
 
@@ -87,7 +91,7 @@ class Connection(NotCopied, Closing):
             self._session: Any = zenoh.open(config)
         except zenoh.ZError as error:
             raise LinkError(f"sharing cannot begin: {_words(error)}") from None
-        self._declared: list[Any] = []
+        self._lock, self._declared = threading.Lock(), list[tuple[str, Any]]()
 
     @property
     def identity(self) -> str:
@@ -118,12 +122,12 @@ class Connection(NotCopied, Closing):
 
         return send
 
-    def listen(self, key: str, take: Take) -> None:
-        """Hand what others send to a key, with the key of each, to `take`."""
+    def listen(self, key: str, take: Take, most: int = LONGEST_BYTES) -> None:
+        """Hand what others send to a key, with the key of each, to `take`; None in place of more bytes than `most`."""
 
         def taken(sample: Any) -> None:
             if sample.kind == self._zenoh.SampleKind.PUT:
-                take(str(sample.key_expr), sample.payload.to_bytes())
+                take(str(sample.key_expr), None if len(sample.payload) > most else sample.payload.to_bytes())
 
         remote = self._zenoh.Locality.REMOTE
         self._keep(self._session.declare_subscriber, key, taken, allowed_origin=remote)
@@ -160,17 +164,26 @@ class Connection(NotCopied, Closing):
 
         self._keep(self._session.liveliness().declare_subscriber, key, changed, history=True)
 
+    def withdraw(self, *keys: str) -> None:
+        """Undeclare all that was declared under these keys; those who watched see that it vanished."""
+        self._undeclare([each for each in self._declared if each[0] in keys])
+
     def close(self) -> None:
         """End the session; all who watched see that it vanished."""
-        declared, self._declared = self._declared, []
-        close_all(*(self._ended(each.undeclare) for each in declared), self._ended(self._session.close))
+        self._undeclare(self._declared, self._session.close)
+
+    def _undeclare(self, ends: Sequence[tuple[str, Any]], *more: Callable[[], None]) -> None:
+        with self._lock:
+            self._declared = [each for each in self._declared if each not in ends]
+        close_all(*(self._ended(end) for end in (*(each.undeclare for _, each in ends), *more)))
 
     def _keep(self, declare: Callable[..., Any], *values: Any, **named: Any) -> Any:
         try:
             declared = declare(*values, **named)
         except self._zenoh.ZError as error:
             raise ValueError(f"{values[0]!r} cannot be shared under: {_words(error)}") from None
-        self._declared.append(declared)
+        with self._lock:
+            self._declared.append((values[0], declared))
         return declared
 
     def _ended(self, end: Callable[[], None]) -> Callable[[], None]:

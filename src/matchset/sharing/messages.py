@@ -1,7 +1,7 @@
 """What partners send to each other, in msgpack: names and fields are the format; `read_targets`, `read_clock`.
 
 A pose has the fields that it has in a recording, numbers of an outline are named as in `tracks.csv`. All times are on
-the clock of the sender (`time.monotonic`); whoever receives them measures how that clock stands to the own one.
+the clock of the sender (`Clock`); whoever receives them measures how that clock stands to the own one.
 """
 
 from typing import Annotated, Any, TypeVar
@@ -180,8 +180,8 @@ def written(message: TargetsMessage | ClockMessage) -> bytes:
     return _ENCODER.encode(message)
 
 
-def read_targets(data: bytes) -> TargetsMessage:
-    """Decode a message with targets.
+def read_targets(data: bytes | None) -> TargetsMessage:
+    """Decode a message with targets; None is one that was too long to be taken.
 
     Raises
     ------
@@ -196,9 +196,9 @@ def read_clock(data: bytes) -> ClockMessage:
     return _read(data, _CLOCK)
 
 
-def _read(data: bytes, decoder: "msgspec.msgpack.Decoder[M]") -> M:
-    if len(data) > MOST_BYTES:
-        raise ForeignMessageError(f"sends {len(data)} bytes at once, at most {MOST_BYTES} are read")
+def _read(data: bytes | None, decoder: "msgspec.msgpack.Decoder[M]") -> M:
+    if data is None or len(data) > MOST_BYTES:
+        raise ForeignMessageError(f"sends more than {MOST_BYTES} bytes at once")
     try:
         version = _VERSION.decode(data).format
     except (msgspec.DecodeError, ValueError, RecursionError):

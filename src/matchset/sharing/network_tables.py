@@ -12,8 +12,9 @@ from matchset.numeric.arguments import check_kind, checked_count
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.imports import advice
 from matchset.numeric.words import one_line
-from matchset.sharing.sent_targets import Named, SentTarget, ages_of, sent_targets
-from matchset.sharing.share import checked_name, monotonic
+from matchset.sharing.clock import Clock, PictureAges
+from matchset.sharing.names import checked_name
+from matchset.sharing.sent_targets import Named, NamedLately, SentTarget, sent_targets
 
 PORT = 5810  # format: TCP port of NetworkTables 4
 NO_PORT = 0  # format: none for NetworkTables 3
@@ -37,7 +38,8 @@ class NetworkTables(NotCopied, Closing):
     (deg, up), `targetPose` (x, y, z in m, and w, x, y, z of the rotation), the same as `targetPose3d`, a struct of
     WPILib, and `targetPoseStd` (m). Robots have x forward, y to the left, z up; all is seen from the camera. A rotation
     that is not observed is none (1, 0, 0, 0), and `rotationObserved` false. Each value has the time at which the
-    picture was taken.
+    picture was taken. Of a target that is not published any more `hasTarget` is false, and later nothing is there
+    (`NamedLately`).
 
     Parameters
     ----------
@@ -48,6 +50,8 @@ class NetworkTables(NotCopied, Closing):
         alone.
     port : int
         Of the server.
+    clock : Clock, optional
+        Of pictures, and through sleep.
 
     Raises
     ------
@@ -57,9 +61,11 @@ class NetworkTables(NotCopied, Closing):
         If ntcore is not installed.
     """
 
-    def __init__(self, name: str, server: str | int | None, port: int = PORT) -> None:
-        self.name, self._server, self._publishers = checked_name(name), server, dict[str, Any]()
-        self._told = set[str]()
+    def __init__(self, name: str, server: str | int | None, port: int = PORT, *, clock: Clock | None = None) -> None:
+        self.name, self._server = checked_name(name), server
+        self._publishers, self._named = dict[str, dict[str, Any]](), NamedLately()
+        self._clock = clock or Clock()
+        self._ages = PictureAges(self._clock)
         checked_count("the port of NetworkTables", port, 1, 65_535)
         if server is not None:
             check_kind("the server of NetworkTables", server, (str, int))
@@ -94,21 +100,22 @@ class NetworkTables(NotCopied, Closing):
             If that cannot be published. The network raises none.
         """
         targets = sent_targets(found)
-        ages = ages_of(targets, time, monotonic() if now is None else now)
+        ages = self._ages.of(targets, time, now)
         stamp = self._now()
         for each, age in zip(targets, ages, strict=True):
             self._publish(each, age, max(round(stamp - MICRO * age), 1))
         names = {each.name for each in targets}
-        for gone in self._told - names:
-            self._set(f"/matchset/{self.name}/{gone}/hasTarget", "Boolean", False, stamp)
-        self._told = names
+        for absent in set(self._publishers) - names:
+            self._set(absent, "hasTarget", "Boolean", False, stamp)
+        for gone in self._named.gone(names, self._clock.now()):
+            _end(self._publishers.pop(gone))
         self._tables.flush()
 
     def close(self) -> None:
         """Publish nothing more."""
         publishers, self._publishers = self._publishers, {}
         for each in publishers.values():
-            each.close()
+            _end(each)
         if self._tables is not None:
             tables, self._tables = self._tables, None
             type(tables).destroy(tables)
@@ -119,29 +126,36 @@ class NetworkTables(NotCopied, Closing):
         return f"NetworkTables({self.name!r}, {where})"
 
     def _publish(self, sent: SentTarget, age: float, stamp: int) -> None:
-        where = f"/matchset/{self.name}/{sent.name}"
-        self._set(f"{where}/hasTarget", "Boolean", not sent.lost, stamp)
-        self._set(f"{where}/latencyMillis", "Double", 1000.0 * age, stamp)
+        name = sent.name
+        self._set(name, "hasTarget", "Boolean", not sent.lost, stamp)
+        self._set(name, "latencyMillis", "Double", 1000.0 * age, stamp)
         if sent.outline is not None:
             left, top, right, bottom = sent.outline.box
-            self._set(f"{where}/targetPixelsX", "Double", (left + right) / 2.0, stamp)
-            self._set(f"{where}/targetPixelsY", "Double", (top + bottom) / 2.0, stamp)
-            self._set(f"{where}/targetRadius", "Double", max(right - left, bottom - top) / 2.0, stamp)
+            self._set(name, "targetPixelsX", "Double", (left + right) / 2.0, stamp)
+            self._set(name, "targetPixelsY", "Double", (top + bottom) / 2.0, stamp)
+            self._set(name, "targetRadius", "Double", max(right - left, bottom - top) / 2.0, stamp)
         if sent.pose is not None:
             x, y, z = sent.pose.position.tolist()
-            self._set(f"{where}/targetYaw", "Double", math.degrees(math.atan2(x, z)), stamp)
-            self._set(f"{where}/targetPitch", "Double", math.degrees(math.atan2(-y, math.hypot(x, z))), stamp)
+            self._set(name, "targetYaw", "Double", math.degrees(math.atan2(x, z)), stamp)
+            self._set(name, "targetPitch", "Double", math.degrees(math.atan2(-y, math.hypot(x, z))), stamp)
             pose = robot_pose(sent.pose)
-            self._set(f"{where}/targetPose", "DoubleArray", pose, stamp)
-            self._set(f"{where}/targetPose3d", "Raw", POSE_BYTES.pack(*pose), stamp)
-            self._set(f"{where}/targetPoseStd", "DoubleArray", robot_deviations(sent.pose), stamp)
-            self._set(f"{where}/rotationObserved", "Boolean", sent.pose.rotation is not None, stamp)
+            self._set(name, "targetPose", "DoubleArray", pose, stamp)
+            self._set(name, "targetPose3d", "Raw", POSE_BYTES.pack(*pose), stamp)
+            self._set(name, "targetPoseStd", "DoubleArray", robot_deviations(sent.pose), stamp)
+            self._set(name, "rotationObserved", "Boolean", sent.pose.rotation is not None, stamp)
 
-    def _set(self, topic: str, kind: str, value: Any, stamp: int) -> None:
-        if topic not in self._publishers:
-            made = getattr(self._tables, f"get{kind}Topic")(topic)
-            self._publishers[topic] = made.publish("struct:Pose3d") if kind == "Raw" else made.publish()
-        self._publishers[topic].set(value, stamp)
+    def _set(self, name: str, value_name: str, kind: str, value: Any, stamp: int) -> None:
+        publishers = self._publishers.setdefault(name, {})
+        if value_name not in publishers:
+            made = getattr(self._tables, f"get{kind}Topic")(f"/matchset/{self.name}/{name}/{value_name}")
+            publishers[value_name] = made.publish("struct:Pose3d") if kind == "Raw" else made.publish()
+        publishers[value_name].set(value, stamp)
+
+
+def _end(publishers: Mapping[str, Any]) -> None:
+    """Withdraw what was published of a target."""
+    for each in publishers.values():
+        each.close()
 
 
 def robot_pose(pose: Pose) -> Sequence[float]:

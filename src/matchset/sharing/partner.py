@@ -95,8 +95,13 @@ class Partner:
         self._said.add(kind)
         return [f"{self.name}: {line}"]
 
-    def take(self, message: TargetsMessage, now: float) -> list[str]:
-        """Take a message that came now, s; returns what is to be said.
+    @property
+    def count(self) -> int:
+        """How many targets are kept."""
+        return 0 if self._message is None else len(self._message.targets)
+
+    def take(self, message: TargetsMessage, now: float, count: int = 1) -> list[str]:
+        """Take a message that came now, s, the newest of so many since the last one; returns what is to be said.
 
         One that was overtaken by a newer one is left out, and one of a run that has ended.
         """
@@ -107,10 +112,11 @@ class Partner:
         lines = self._begin(message.run)
         if self._message is not None and message.number <= self._message.number:
             return lines
-        self._missed += message.number - (-1 if self._message is None else self._message.number) - 1
+        last = -1 if self._message is None else self._message.number
+        self._missed += max(message.number - last - count, 0)
         if self._message is None:
             self._missed = 0  # what was sent before this computer was here
-        self._received, self._message = self._received + 1, message
+        self._received, self._message = self._received + count, message
         if self._silent:
             lines.append(f"{self.name}: back after {now - self._last:.1f} s")
         self._last, self._silent, self._left = now, False, False
@@ -151,8 +157,17 @@ class Partner:
         was, self.here, self._silent, self._left = self.here, False, False, True
         return [f"{self.name}: gone"] if was else []
 
-    def targets(self, now: float, parameters: AgeParameters) -> list[SharedTarget]:
-        """Return its targets as they are known now, s."""
+    def forget(self) -> None:
+        """Forget its targets."""
+        self._message = None
+
+    def woken(self, run: int) -> None:
+        """Forget how the clocks stand: this computer has slept, and is another run now."""
+        self._own = self._own[0], run
+        self.offset = ClockOffset(self._clock_parameters)
+
+    def targets(self, now: float, parameters: AgeParameters, ahead: float = 0.0) -> list[SharedTarget]:
+        """Return its targets as they are known now, s, when this clock is so far ahead of that of pictures, s."""
         message = self._message
         if message is None:
             return []
@@ -160,7 +175,7 @@ class Partner:
         targets = message.targets
         if not self.here or self._left:  # it may be back, what it sent before is not
             targets = [msgspec.structs.replace(each, lost=each.lost or "its program is gone") for each in targets]
-        return [shared_target(self.name, each, offset, now, parameters) for each in targets]
+        return [shared_target(self.name, each, offset, now, parameters, ahead) for each in targets]
 
     def state(self, now: float) -> PartnerState:
         """Return how it stands now, s."""

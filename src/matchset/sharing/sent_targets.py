@@ -88,6 +88,31 @@ def sent_targets(found: Named) -> list[SentTarget]:
     return made
 
 
+class NamedLately:
+    """Knows which targets are gone: those that were not named for some time, so that one that comes back finds all.
+
+    Parameters
+    ----------
+    linger : float
+        That time, s. More keeps what is declared of a target through longer gaps, less lets others see sooner that it
+        is gone. Chosen by hand: a target that leaves the picture is back by then, or is another one.
+    """
+
+    def __init__(self, linger: float = 10.0) -> None:
+        self._linger, self._named = linger, dict[str, float]()
+
+    def gone(self, names: Iterable[str], now: float) -> list[str]:
+        """Note which targets are named now, s, and return those that are gone: of more than fit, those named first."""
+        for name in names:
+            self._named.pop(name, None)
+            self._named[name] = now
+        first = list(self._named)[: max(len(self._named) - MOST_TARGETS, 0)]
+        gone = [name for name, time in self._named.items() if name in first or now - time > self._linger]
+        for name in gone:
+            del self._named[name]
+        return gone
+
+
 def ages_of(sent: Sequence[SentTarget], time: float | Mapping[str, float], now: float) -> list[float]:
     """Return how old the picture of each target is now, s.
 

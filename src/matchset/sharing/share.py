@@ -3,7 +3,6 @@
 import secrets
 import threading
 import time
-from collections import deque
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,15 @@ from matchset.media.closing import Closing
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import NotCopied
 from matchset.numeric.words import one_line
+from matchset.sharing.clock import Clock, PictureAges
 from matchset.sharing.clock_offset import ExchangeParameters
 from matchset.sharing.connection import DISCOVERIES, Connection, Discovery, zenoh_settings
+from matchset.sharing.inbox import Inbox, InboxParameters, Waiting
+from matchset.sharing.lines import LineParameters, Lines
 from matchset.sharing.messages import (
     ENCODING,
     FORMAT,
+    MOST_BYTES,
     MOST_TARGETS,
     ClockMessage,
     ForeignMessageError,
@@ -29,14 +32,13 @@ from matchset.sharing.messages import (
     read_targets,
     written,
 )
+from matchset.sharing.names import checked_key, checked_name, is_name
 from matchset.sharing.partner import Partner, PartnerParameters, PartnerState
 from matchset.sharing.ros2.ros_sender import ROUTER, RosSender
-from matchset.sharing.sent_targets import Named, ages_of, sent_targets, target_message
+from matchset.sharing.sent_targets import Named, sent_targets, target_message
 from matchset.sharing.shared_target import AgeParameters, SharedTarget
 
 DEFAULT_KEY = "matchset"
-NOT_IN_A_NAME = "/*$?#%"  # format: characters with a meaning in keys of Zenoh and ROS
-MOST_LINES = 100  # format: lines that wait to be read
 JOIN = 5.0  # format: s, in which the thread that compares clocks must have ended
 
 
@@ -48,13 +50,18 @@ class ShareParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     ages : AgeParameters
     clock : ExchangeParameters
     partner : PartnerParameters
+    inbox : InboxParameters
+    lines : LineParameters
     look : float
-        Time between two looks whether a partner is silent, s. Chosen by hand: a quarter of `PartnerParameters.silence`.
+        Time between two looks whether a partner is silent, or one whose clock is not known has come, s. Chosen by hand:
+        a quarter of `PartnerParameters.silence`.
     """
 
     ages: AgeParameters = AgeParameters()
     clock: ExchangeParameters = ExchangeParameters()
     partner: PartnerParameters = PartnerParameters()
+    inbox: InboxParameters = InboxParameters()
+    lines: LineParameters = LineParameters()
     look: float = 0.25
 
 
@@ -79,6 +86,8 @@ class Share(NotCopied, Closing):
         Given, all is sent as messages of ROS 2, too, in this ROS_DOMAIN_ID: see `RosSender`. Without an endpoint to
         connect to, or a configuration file, that is the router of rmw_zenoh on this computer.
     parameters : ShareParameters, optional
+    clock : Clock, optional
+        The clock of the messages, and that of pictures.
 
     Raises
     ------
@@ -99,15 +108,17 @@ class Share(NotCopied, Closing):
         config: Path | str | Mapping[str, Any] | None = None,
         ros_domain: int | None = None,
         parameters: ShareParameters | None = None,
+        clock: Clock | None = None,
     ) -> None:
-        """Eight parameters: who, under which key, four of the network, ROS, and the numbers."""
+        """Nine parameters: who, under which key, four of the network, ROS, the numbers, and by which clock."""
         self.name, self.key, self.run = checked_name(name), checked_key(key), secrets.randbits(62)
         self.parameters = parameters or ShareParameters()
-        self._lock, self._ends = threading.RLock(), False
-        self._wake, self._arrived = threading.Event(), threading.Event()
+        self.clock = clock or Clock()
+        self._ages, self._asleep = PictureAges(self.clock), self.clock.asleep
+        self._lock, self._ends, self._arrived = threading.RLock(), threading.Event(), threading.Event()
         self._partners: dict[str, Partner] = {}
-        self._lines: deque[str] = deque(maxlen=MOST_LINES)
-        self._number, self._failed, self._said = 0, False, set[str]()
+        self._inbox, self._lines = Inbox(self.parameters.inbox), Lines(self.parameters.lines)
+        self._number, self._told_dropped = 0, 0
         if ros_domain is not None and not connect and not isinstance(config, str | Path):
             connect = [ROUTER]
         self.connection = _opened(discovery, listen, connect, config)
@@ -132,6 +143,7 @@ class Share(NotCopied, Closing):
             When the picture was taken, s: `Frame.time`; by the names of targets if they were seen by several cameras.
         now : float, optional
             What the clock of `time` shows now; `time.monotonic`, on which live cameras have their times, if not given.
+            What was taken before this computer slept is as old as it is, whichever clock that is.
 
         Raises
         ------
@@ -140,9 +152,9 @@ class Share(NotCopied, Closing):
         """
         targets = sent_targets(found)
         with self._lock:
+            sent = self._now()
+            ages = self._ages.of(targets, time, now)
             number, self._number = self._number, self._number + 1
-        sent = monotonic()
-        ages = ages_of(targets, time, sent if now is None else now)
         message = TargetsMessage(
             format=FORMAT,
             name=self.name,
@@ -160,11 +172,10 @@ class Share(NotCopied, Closing):
         try:
             self._send(data, None)
             if self._ros is not None:
-                self._ros.send(targets, ages)
+                self._ros.send(targets, ages, sent)
         except LinkError as error:
-            if not self._failed:
-                self._failed = True
-                self._say([f"{self.name}: {error}"])
+            with self._lock:
+                self._lines.say_once("ended", f"{self.name}: {error}")
 
     def others(self) -> list[SharedTarget]:
         """Return the targets of all partners, by partner and in its order, as they are known now.
@@ -172,9 +183,9 @@ class Share(NotCopied, Closing):
         What is too old, or of a time that is not known, is false in a condition and has no pose.
         """
         with self._lock:
-            now = monotonic()
+            now, ahead = self._read(), self.clock.ahead
             ages = self.parameters.ages
-            return [each for _, partner in sorted(self._partners.items()) for each in partner.targets(now, ages)]
+            return [each for _, partner in sorted(self._partners.items()) for each in partner.targets(now, ages, ahead)]
 
     def wait(self, timeout: float) -> bool:
         """Wait until something of a partner has come since the last call, at most so long, s; whether it has."""
@@ -185,20 +196,20 @@ class Share(NotCopied, Closing):
     def partners(self) -> list[PartnerState]:
         """Return how it stands with each partner, by name."""
         with self._lock:
-            now = monotonic()
+            now = self._read()
             return [partner.state(now) for _, partner in sorted(self._partners.items())]
 
     def news(self) -> list[str]:
-        """Return what has happened since the last call, a line each: who came, went, is silent or cannot be read."""
+        """Return what has happened since the last call, a line each: who came, went, is silent or cannot be read.
+
+        Of what is too much (`LineParameters`) the number is told.
+        """
         with self._lock:
-            lines = list(self._lines)
-            self._lines.clear()
-        return lines
+            return self._lines.take(self._read())
 
     def close(self) -> None:
         """Share nothing more; partners see that this one is gone."""
-        self._ends = True
-        self._wake.set()
+        self._ends.set()
         self._thread.join(JOIN)
         self.connection.close()
 
@@ -211,39 +222,23 @@ class Share(NotCopied, Closing):
         key, name = self.key, self.name
         self._send = self.connection.publisher(f"{key}/targets/{name}", ENCODING)
         self.connection.answer(f"{key}/clock/{name}", self._tell_time)
-        self.connection.listen(f"{key}/targets/*", self._take)
+        self.connection.listen(f"{key}/targets/*", self._take, MOST_BYTES)
         self.connection.watch(f"{key}/alive/*", self._see)
         self.connection.appear(f"{key}/alive/{name}")
 
     def _tell_time(self) -> bytes:
-        received = monotonic()
+        received, run = self.clock.now(), self.run
+        answered, wall = self.clock.now(), time.time()
         return written(
-            ClockMessage(
-                format=FORMAT, name=self.name, run=self.run, received=received, answered=monotonic(), wall=time.time()
-            )
+            ClockMessage(format=FORMAT, name=self.name, run=run, received=received, answered=answered, wall=wall)
         )
 
-    def _take(self, key: str, data: bytes) -> None:
-        """Take what came under a key; called by a thread of the network."""
-        now, name = monotonic(), key.rpartition("/")[2]
-        with self._lock:
-            if name == self.name:
-                self._say_once(
-                    "name", f"{name}: another computer shares under this name, too: nobody can tell the two apart"
-                )
-            partner = self._partner(name)
-            if partner is None:
-                return
-            try:
-                message = read_targets(data)
-            except ForeignMessageError as error:
-                self._say(partner.once("foreign", f"{error}; left out"))
-                return
-            new = partner.run != message.run
-            self._say(partner.take(message, now))
-        self._arrived.set()
-        if new:
-            self._wake.set()
+    def _take(self, key: str, data: bytes | None) -> None:
+        """Keep what came under a key until somebody looks; called by a thread of the network, which must not wait."""
+        name = key.rpartition("/")[2]
+        partner = self._partners.get(name)
+        if self._inbox.put(name, data, self.clock.now(), partner is not None and partner.here):
+            self._arrived.set()
 
     def _see(self, key: str, there: bool) -> None:
         """Somebody appeared or vanished; called by a thread of the network."""
@@ -251,10 +246,61 @@ class Share(NotCopied, Closing):
         if name == self.name:
             return
         with self._lock:
+            if not there:
+                self._inbox.forget(name)
             partner = self._partner(name)
             if partner is not None:
-                self._say(partner.come() if there else partner.leave())
-        self._wake.set()
+                self._say(name, partner.come() if there else partner.leave())
+
+    def _now(self) -> float:
+        """Return the time on the clock of the messages, s. Who has slept begins anew: it may be a second off then."""
+        slept = self.clock.asleep - self._asleep
+        now = self.clock.now()
+        if slept > 0.0:
+            self._asleep, self.run = self._asleep + slept, secrets.randbits(62)
+            for partner in self._partners.values():
+                partner.woken(self.run)
+            words = f"this computer slept for {slept:.1f} s: the clocks of all are measured anew"
+            self._say(self.name, [f"{self.name}: {words}"])
+        return now
+
+    def _read(self) -> float:
+        """Read what has come, as much as one look may; returns the time, s."""
+        for each in self._inbox.take():
+            self._read_one(each)
+        now, dropped = self._now(), self._inbox.dropped
+        if dropped > 10 * self._told_dropped:
+            self._told_dropped = dropped
+            self._say(self.name, [f"{self.name}: {dropped} messages of too many senders were left out so far"])
+        return now
+
+    def _read_one(self, waiting: Waiting) -> None:
+        name = waiting.name
+        if name == self.name:
+            words = "another computer shares under this name, too: nobody can tell the two apart"
+            self._lines.say_once("name", f"{name}: {words}")
+        partner = self._partner(name)
+        if partner is None:
+            return
+        try:
+            message = read_targets(waiting.data)
+        except ForeignMessageError as error:
+            self._say(name, partner.once("foreign", f"{error}; left out"))
+            return
+        if self._has_room(partner, len(message.targets)):
+            self._say(name, partner.take(message, waiting.time, waiting.messages))
+        else:
+            most = self.parameters.inbox.targets
+            self._lines.say_once("targets", f"{name}: left out, {most} targets of partners are kept at most")
+
+    def _has_room(self, partner: Partner, count: int) -> bool:
+        """Whether so many targets of a partner can be kept; those of partners that are gone make room."""
+        most = self.parameters.inbox.targets - count
+        others = [each for each in self._partners.values() if each is not partner]
+        for gone in [each for each in others if not each.here]:
+            if sum(each.count for each in others) > most:
+                gone.forget()
+        return sum(each.count for each in others) <= most
 
     def _partner(self, name: str) -> Partner | None:
         """Return a partner, a new one if there is room; None for this computer's own name."""
@@ -262,26 +308,21 @@ class Share(NotCopied, Closing):
             return None
         if name not in self._partners:
             if not is_name(name):
-                self._say_once("misnamed", f"{name!r:.80}: left out, that is no name")
+                self._lines.say_once("misnamed", f"{name!r:.80}: left out, that is no name")
                 return None
-            if len(self._partners) >= MOST_TARGETS:
+            most = self.parameters.inbox.partners
+            if len(self._partners) >= most:
                 gone = [each for each, partner in self._partners.items() if not partner.here]
                 if not gone:
-                    self._say_once("many", f"{name}: left out, {MOST_TARGETS} partners are heard at most")
+                    self._lines.say_once("many", f"{name}: left out, {most} partners are heard at most")
                     return None
                 del self._partners[gone[0]]
             clock, silence = self.parameters.clock, self.parameters.partner
             self._partners[name] = Partner(name, (self.name, self.run), clock, silence)
         return self._partners[name]
 
-    def _say(self, lines: list[str]) -> None:
-        self._lines.extend(lines)
-
-    def _say_once(self, kind: str, line: str) -> None:
-        """Say a line unless one of this kind was said before."""
-        if kind not in self._said:
-            self._said.add(kind)
-            self._say([line])
+    def _say(self, about: str, lines: list[str]) -> None:
+        self._lines.say(about, lines, self.clock.now())
 
     def _offsets(self, now: float) -> list[OffsetMessage]:
         """How the clocks of all partners stand, for those who could not measure it."""
@@ -289,21 +330,21 @@ class Share(NotCopied, Closing):
             known = [(each, each.offset.at(now)) for each in self._partners.values() if each.here]
         return [
             OffsetMessage(partner=each.name, run=each.run, offset=at.seconds, uncertainty=at.uncertainty)
-            for each, at in known
+            for each, at in known[:MOST_TARGETS]
             if at is not None and each.run is not None
         ]
 
     def _compare_clocks(self) -> None:
         """Compare the clock of each partner with the own one, again and again; the thread's work."""
         due: dict[str, float] = {}
-        while not self._ends:
-            self._wake.wait(self.parameters.look)
-            self._wake.clear()
+        while not self._ends.wait(self.parameters.look):
             with self._lock:
-                now = monotonic()
+                now = self._read()
                 for partner in self._partners.values():
-                    self._say(partner.look(now))
+                    self._say(partner.name, partner.look(now))
                 waiting = [(each, each.offset.at(now) is None) for each in self._partners.values() if each.here]
+            if self._ros is not None:
+                self._ros.forget(now)
             for partner, unknown in waiting:
                 if now >= due.get(partner.name, now) or unknown:
                     due[partner.name] = now + self.parameters.clock.interval
@@ -313,58 +354,17 @@ class Share(NotCopied, Closing):
     def _compare(self, partner: Partner) -> None:
         clock = self.parameters.clock
         for _ in range(clock.exchanges):
-            asked = monotonic()
-            data = None if self._ends else self.connection.ask(f"{self.key}/clock/{partner.name}", clock.patience)
-            returned = monotonic()
+            asked = self.clock.now()
+            ended = self._ends.is_set()
+            data = None if ended else self.connection.ask(f"{self.key}/clock/{partner.name}", clock.patience)
+            returned = self.clock.now()
             if data is None:
                 return
             with self._lock:
                 try:
-                    self._say(partner.compare(asked, read_clock(data), returned, time.time()))
+                    self._say(partner.name, partner.compare(asked, read_clock(data), returned, time.time()))
                 except ForeignMessageError as error:
-                    self._say(partner.once("foreign", f"{error}; left out"))
-
-
-def is_name(text: str) -> bool:
-    """Whether a partner may be called so; what else comes under a key is not shown to anybody."""
-    try:
-        return bool(checked_name(text))
-    except ValueError:
-        return False
-
-
-def monotonic() -> float:
-    """Return the time on the clock of the messages, s."""
-    return time.monotonic()
-
-
-def checked_name(name: str) -> str:
-    """Return a name under which is shared.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be one.
-    """
-    check_kind("the name to share under", name, str)
-    if not 0 < len(name) <= 64 or set(name) & set(NOT_IN_A_NAME) or not name.isprintable() or " " in name:
-        wrong = f"1 to 64 characters without spaces and {' '.join(NOT_IN_A_NAME)}"
-        raise ValueError(f"the name to share under has {wrong}, got {name!r:.80}")
-    return name
-
-
-def checked_key(key: str) -> str:
-    """Return a key under which is shared.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be one.
-    """
-    check_kind("the key to share under", key, str)
-    if not all(key.split("/")) or set(key) & set("*$?#@") or not key.isprintable():
-        raise ValueError(f"the key to share under is like matchset or lab/chain, without * $ ? # @, got {key!r:.80}")
-    return key
+                    self._say(partner.name, partner.once("foreign", f"{error}; left out"))
 
 
 def _opened(

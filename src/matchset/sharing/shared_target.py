@@ -61,8 +61,9 @@ class SharedTarget(msgspec.Struct, frozen=True, kw_only=True):
     identity : int
         As `Target.identity` of the partner.
     pose : Pose or Lost
-        In the frame of the partner's camera; its time is on this computer's clock (`time.monotonic`). `Lost`, with the
-        reason, where it is old, is not seen, the clock of the partner is not known, or the partner has no pose of it.
+        In the frame of the partner's camera; its time is on the clock of this computer's pictures (`time.monotonic`).
+        `Lost`, with the reason, where it is old, is not seen, the clock of the partner is not known, or the partner has
+        no pose of it.
     shape : str
         Family of its outline in the partner's picture; empty where none is shared.
     values : dict of str to (float, float or None)
@@ -133,7 +134,12 @@ def reason_not_to_use(age: Age | None, lost: str, parameters: AgeParameters) -> 
 
 
 def shared_target(
-    partner: str, message: TargetMessage, offset: Offset | None, now: float, parameters: AgeParameters
+    partner: str,
+    message: TargetMessage,
+    offset: Offset | None,
+    now: float,
+    parameters: AgeParameters,
+    ahead: float = 0.0,
 ) -> SharedTarget:
     """Make what is known here of a target in the message of a partner.
 
@@ -146,10 +152,12 @@ def shared_target(
     now : float
         s.
     parameters : AgeParameters
+    ahead : float
+        By how much the clock of the messages is ahead of that of pictures, s.
     """
     age = None if offset is None else Age(now - (message.captured + offset.seconds), offset.uncertainty)
     reason = reason_not_to_use(age, message.lost, parameters)
-    taken = now if age is None else now - age.seconds
+    taken = (now if age is None else now - age.seconds) - ahead
     track, pose = message.track, message.pose
     found: Pose | Lost[Pose] = Lost(reason or "the partner shares no pose of it", taken)
     if pose is not None and not reason:

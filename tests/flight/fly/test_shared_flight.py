@@ -10,7 +10,7 @@ import pytest
 
 import matchset as ms
 from matchset.app.sharing_options import SharingOptions
-from matchset.flight.fly.shared_flight import MOST_LINES, SharedFlight
+from matchset.flight.fly.shared_flight import SharedFlight
 from sharing_processes import Heard, until
 
 PACKAGE = Path(ms.__file__).parent
@@ -70,13 +70,13 @@ def test_options_of_sharing_need_a_name() -> None:
 
 
 class RefusingShare:
-    """Refuses every number, and has much to tell of its partners."""
+    """Refuses every number, and has something to tell of its partners."""
 
     def publish(self, *_: object) -> None:
         raise ValueError("this cannot be shared: it sends a damaged message")
 
     def news(self) -> list[str]:
-        return [f"left: began anew {number}" for number in range(100)]
+        return ["left: began anew"]
 
     def partners(self) -> list[object]:
         return []
@@ -94,5 +94,5 @@ def test_what_cannot_be_shared_never_ends_a_flight() -> None:
     assert [line for line in said if line.startswith("not shared")] == [
         "not shared: this cannot be shared: it sends a damaged message"
     ]
-    assert len(said) == 1 + 3 * (MOST_LINES + 1)
-    assert said[-1] == f"shared with others: {100 - MOST_LINES} more lines"
+    assert said.count("shared with left: began anew") == 3
+    assert len(said) == 4

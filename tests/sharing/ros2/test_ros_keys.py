@@ -13,11 +13,14 @@ from hypothesis import strategies as st
 
 import bags
 import matchset as ms
+from matchset.sharing.clock import Clock
 from matchset.sharing.connection import Connection, zenoh_settings
+from matchset.sharing.messages import MOST_TARGETS
 from matchset.sharing.ros2.ros_definitions import DEFINITIONS
 from matchset.sharing.ros2.ros_keys import HASHES, RosNode, attachment, dds_type, identity_of, ros_name
+from matchset.sharing.ros2.ros_sender import RosSender
 from matchset.sharing.ros2.ros_values import DETECTIONS, POSE
-from matchset.sharing.sent_targets import Shareable
+from matchset.sharing.sent_targets import Shareable, sent_targets
 from sharing_poses import FULL, LEVEL, TRACK
 from sharing_processes import until
 
@@ -78,6 +81,35 @@ def test_any_words_become_a_name_that_ros_allows(words: str) -> None:
     assert "__" not in ros_name(words)
 
 
+NAMES = st.text(max_size=12) | st.text(alphabet="aB1 _-/äжF", max_size=12)
+
+
+@given(st.sets(NAMES, max_size=64), st.sampled_from([" ", "_"]))
+def test_different_words_never_become_the_same_name(words: set[str], joint: str) -> None:
+    names = {each: ros_name(each, joint) for each in words}
+    assert len(set(names.values())) == len(words)
+    assert all(re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*", name) for name in names.values())
+
+
+@pytest.mark.parametrize(
+    ("words", "joint", "name"),
+    [
+        ("ball", " ", "ball"),
+        ("ball 1", " ", "ball_1"),
+        ("ball_1", " ", "ball_1_7d877783"),
+        ("ball_1", "_", "ball_1"),
+        ("ball 7d877783", " ", "ball_7d877783_36bca702"),
+        ("2", " ", "target_2_f6c78813"),
+        ("Bälle", " ", "Balle_36952468"),
+        ("мяч", " ", "target_138d9124"),
+        ("球", " ", "target_28b5a676"),
+        ("", " ", "target_1271cf25"),
+    ],
+)
+def test_names_are_those_that_the_rule_gives(words: str, joint: str, name: str) -> None:
+    assert ros_name(words, joint) == name
+
+
 @given(st.integers(0, 2**62), st.integers(0, 2**62))
 def test_zenoh_itself_reads_what_is_attached(number: int, stamp: int) -> None:
     zenoh: Any = pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
@@ -103,7 +135,7 @@ def listener() -> Iterator[Connection]:
 
 def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Connection, typestore: Any) -> None:
     name = f"left{secrets.token_hex(4)}"
-    heard, tokens = dict[str, bytes](), set[str]()
+    heard, tokens = dict[str, bytes | None](), set[str]()
     listener.listen(f"{DOMAIN}/{name}/**", heard.__setitem__)
     listener.watch(f"@ros2_lv/{DOMAIN}/**", lambda key, _: tokens.add(key))
     pose_key = f"{DOMAIN}/{name}/blue_ball/pose/{dds_type(POSE)}/{HASHES[POSE]}"
@@ -122,7 +154,7 @@ def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Conn
         assert {token.split("/")[9] for token in mine if "/MP/" in token} == {
             f"%{name}%detections",
             f"%{name}%blue_ball%pose",
-            f"%{name}%target_2%pose",
+            f"%{name}%{ros_name('2')}%pose",
         }
         assert sum("/NN/" in token for token in mine) == 1
         assert all(re.fullmatch(PUBLISHER, token) for token in mine if "/MP/" in token)
@@ -158,3 +190,48 @@ def test_sequence_time_and_identity_are_attached(listener: Connection) -> None:
     assert [number - read[0][0] for number, _, _ in read] == list(range(len(read)))
     assert sorted(stamp for _, stamp, _ in read) == [stamp for _, stamp, _ in read]
     assert len({identity for _, _, identity in read}) == 1
+
+
+def test_topics_of_targets_that_are_gone_are_withdrawn(listener: Connection) -> None:
+    name, there = f"left{secrets.token_hex(4)}", set[str]()
+
+    def seen(key: str, appeared: bool) -> None:
+        (there.add if appeared else there.discard)(key)
+
+    listener.watch(f"@ros2_lv/{DOMAIN}/**", seen)
+
+    def topics() -> set[str]:
+        tokens = [token.split("/") for token in there.copy()]
+        return {parts[9] for parts in tokens if parts[5] == "MP" and parts[8] == f"matchset_{name}"}
+
+    detections = f"%{name}%detections"
+    with Connection(zenoh_settings("loopback", (), ())) as connection:
+        sender = RosSender(connection, name, DOMAIN)
+        for number in range(300):  # a page that names many targets
+            sender.send(sent_targets({f"ball {number}": FULL, "kept": LEVEL}), [0.0, 0.0], 0.1 * number)
+        assert len(sender._topics) <= MOST_TARGETS
+        last = {f"%{name}%ball_299%pose", f"%{name}%kept%pose", detections}
+        until(lambda: last <= topics() and len(topics()) <= 1 + MOST_TARGETS)
+        lost: ms.Lost[ms.Circle] = ms.Lost("hidden", 0.0)
+        sender.send(sent_targets({"kept": lost}), [0.0], 45.0)
+        until(lambda: topics() == {f"%{name}%kept%pose", detections})
+        sender.send(sent_targets({"kept": LEVEL, "back": LEVEL}), [0.0, 0.0], 46.0)
+        until(lambda: len(topics()) == 3)
+        numbers = [token.split("/")[4] for token in there if token.split("/")[8] == f"matchset_{name}"]
+        assert len(set(numbers)) == len(numbers)
+        sender.forget(60.0)
+        until(lambda: topics() == {detections})
+        assert len(connection._declared) == 3  # the node, and publisher and token of the detections
+
+
+def test_a_share_that_publishes_nothing_more_withdraws_its_topics(listener: Connection) -> None:
+    name, there, passed = f"left{secrets.token_hex(4)}", dict[str, bool](), [0.0]
+    listener.watch(f"@ros2_lv/{DOMAIN}/**", there.__setitem__)
+    right = Clock()
+    clock = Clock(lambda: right.now() + passed[0], lambda: right.awake() + passed[0])
+    with ms.Share(name, key=f"test/{name}", ros_domain=DOMAIN, clock=clock) as share:
+        share.publish(LEVEL, 10.0, 10.0)
+        token = share._ros._topics["ball"]._keys[1] if share._ros is not None else ""
+        until(lambda: there.get(token))
+        passed[0] = 11.0
+        until(lambda: not there[token])

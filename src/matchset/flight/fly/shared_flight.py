@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from matchset.sharing.share import Share
 
 
-MOST_LINES = 3  # format: of partners, said in one step of a flight
-
-
 class SharedFlight(Closing):
     """Publishes ball and pose of every follower, and says who comes, goes or cannot be read.
 
@@ -47,11 +44,8 @@ class SharedFlight(Closing):
             if not self._refused:
                 self._refused = True
                 self._say(f"not shared: {error}")
-        news = self._share.news()
-        for line in news[:MOST_LINES]:
+        for line in self._share.news():
             self._say(f"shared with {line}")
-        if len(news) > MOST_LINES:
-            self._say(f"shared with others: {len(news) - MOST_LINES} more lines")
 
     def close(self) -> None:
         """Say what came from each partner, and share nothing more."""

@@ -1,6 +1,7 @@
 """Shares what the page shows, and shows what others share: `SharedPage`, a listener and a panel in one."""
 
 import math
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
@@ -23,7 +24,7 @@ SHARP_MS = 0.01  # format: ms, in steps of which the uncertainty of a clock is t
 
 
 class SharedPage(Panel, Closing):
-    """Implements `matchset.live.feed.Listener` and `Panel`. Nothing here waits.
+    """Implements `matchset.live.feed.Listener` and `Panel`. Nothing here waits for the network.
 
     Parameters
     ----------
@@ -36,34 +37,28 @@ class SharedPage(Panel, Closing):
     name = "sharing"
 
     def __init__(self, share: Share, note: Callable[[str], None]) -> None:
-        self._share, self._note = share, note
-        self._targets: dict[int, list[SentTarget]] = {}
-        self._times: dict[int, float] = {}
-        self._refused = False
+        self._share, self._note, self._refused = share, note, False
+        self._lock = threading.Lock()  # pictures come from a thread for each camera, another source from the server's
+        self._seen: dict[int, tuple[float, list[SentTarget]]] = {}
 
     def hear(self, stream: int, seen: StreamPicture) -> None:
         """Publish the targets of a picture, with the newest of the other streams."""
-        if seen.frame is None or self._times.get(stream) == seen.frame.time:
-            return
-        self._targets[stream] = [sent_target(each, stream, seen) for each in seen.state.targets if not each.pending]
-        self._times[stream] = seen.frame.time
-        found, times = list[SentTarget](), dict[str, float]()
-        for number, targets in list(self._targets.items()):
-            for each in targets:
-                name = each.name if each.name not in times else free_name(each.name[: LONGEST_NAME - 4], times)
-                found.append(each._replace(name=name))
-                times[name] = self._times[number]
-        try:
-            self._share.publish(found[:MOST_TARGETS], times, seen.frame.time + seen.state.age)
-        except (ValueError, TypeError) as error:  # such as a number that is too large to be told: the page goes on
-            if not self._refused:
+        with self._lock:
+            if seen.frame is None or self._seen.get(stream, (None,))[0] == seen.frame.time:
+                return
+            targets = [sent_target(each, stream, seen) for each in seen.state.targets if not each.pending]
+            self._seen[stream] = seen.frame.time, targets
+            try:
+                self._publish(seen.frame.time + seen.state.age)
+            except (ValueError, TypeError) as error:  # such as a number that is too large to be told: the page goes on
+                if not self._refused:
+                    self._note(f"not shared: {error}")
                 self._refused = True
-                self._note(f"not shared: {error}")
 
     def changed(self, feed: Feed | None) -> None:  # noqa: ARG002
         """Forget what was shown before."""
-        self._targets.clear()
-        self._times.clear()
+        with self._lock:
+            self._seen.clear()
 
     def state(self) -> SharingState:
         """Return what the page shows, and tell what has happened."""
@@ -78,6 +73,16 @@ class SharedPage(Panel, Closing):
     def close(self) -> None:
         """Share nothing more."""
         self._share.close()
+
+    def _publish(self, now: float) -> None:
+        """Publish the newest targets of all streams."""
+        found, times = list[SentTarget](), dict[str, float]()
+        for time, targets in self._seen.values():
+            for each in targets:
+                name = each.name if each.name not in times else free_name(each.name[: LONGEST_NAME - 4], times)
+                found.append(each._replace(name=name))
+                times[name] = time
+        self._share.publish(found[:MOST_TARGETS], times, now)
 
 
 def shared_page(share: Share | None, session: Session) -> AbstractContextManager[object]:

@@ -1,0 +1,104 @@
+"""What has come and is not read yet: `Inbox`. Its cost, and that of who reads it, is the same whatever others send."""
+
+import threading
+from typing import NamedTuple
+
+import msgspec
+
+from matchset.numeric.arguments import require_positive
+
+
+class InboxParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How much is taken of what comes; the length of a message is limited by `messages.MOST_BYTES`.
+
+    Parameters
+    ----------
+    partners : int
+        Partners that are known at a time, and whose newest messages wait to be read. More hears larger groups and costs
+        time. Chosen by hand.
+    strangers : int
+        Messages that wait of those who have not told that they are there. More tells of more programs that are none of
+        matchset. Chosen by hand.
+    decoded : int
+        Bytes after which a look stops to decode; the rest waits for the next one. More reads more partners at once,
+        less takes less time. Chosen by: 1 ms.
+    targets : int
+        Targets that are kept of all partners together. Chosen by: 6 ms to hand them out.
+    """
+
+    partners: int = 64
+    strangers: int = 4
+    decoded: int = 262_144
+    targets: int = 256
+
+    def __post_init__(self) -> None:
+        require_positive(self, self.__struct_fields__)
+
+
+class Waiting(NamedTuple):
+    """The newest message of one sender.
+
+    Attributes
+    ----------
+    name : str
+        Under whose name it came.
+    data : bytes or None
+        None if it was too long.
+    time : float
+        When it came, s.
+    messages : int
+        How many came since the last look, this one included.
+    """
+
+    name: str
+    data: bytes | None
+    time: float
+    messages: int
+
+
+class Inbox:
+    """Keeps the newest message of each sender, as bytes.
+
+    Parameters
+    ----------
+    parameters : InboxParameters
+
+    Attributes
+    ----------
+    dropped : int
+        Messages that were left out because too many others sent some.
+    """
+
+    def __init__(self, parameters: InboxParameters) -> None:
+        self._parameters, self.dropped = parameters, 0
+        self._lock = threading.Lock()
+        self._partners, self._strangers = dict[str, Waiting](), dict[str, Waiting]()
+
+    def put(self, name: str, data: bytes | None, now: float, known: bool) -> bool:
+        """Keep a message in place of what the same sender sent before; returns whether there was room for it."""
+        limits = self._parameters
+        waiting, most = (self._partners, limits.partners) if known else (self._strangers, limits.strangers)
+        with self._lock:
+            if name not in waiting and len(waiting) >= most:
+                self.dropped += 1
+                return False
+            stranger = self._strangers.pop(name, None) if known else None  # it has become a partner meanwhile
+            before = [each.messages for each in (waiting.get(name), stranger) if each is not None]
+            waiting[name] = Waiting(name, data, now, sum(before, 1))
+            return True
+
+    def take(self) -> list[Waiting]:
+        """Return what is to be read now: partners before strangers, and who has waited longest first."""
+        taken, size = list[Waiting](), 0
+        with self._lock:
+            for waiting in (self._partners, self._strangers):
+                while waiting and size < self._parameters.decoded:
+                    taken.append(waiting.pop(next(iter(waiting))))
+                    size += len(taken[-1].data or b"")
+        return taken
+
+    def forget(self, name: str) -> None:
+        """Forget what a sender sent: its program has ended."""
+        with self._lock:
+            self._partners.pop(name, None)
+            self._strangers.pop(name, None)

@@ -1,7 +1,6 @@
 """Several balls that look alike on the page keep their names, which change; all like one; marks of their lives."""
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import pytest
 
 import crossing_balls
 from live_pages import Heard, hold, on_screen, rows, state_of, tell, wait_for_picture, wait_until
-from mjpeg_server import MjpegServer
 
 UPPER, LOWER, APART = 84.0, 116.0, 205.0  # px, of the rows on which balls move
 NAMES = 'left <b>hand</b> & "x"'
@@ -30,20 +28,6 @@ def scene(number: int) -> npt.NDArray[np.uint8]:
     for x, y in ((160.0 + way, UPPER), (160.0 - way, LOWER), (160.0, APART)):
         cv2.circle(image, (round(16 * x), round(16 * y)), 24 * 16, (210, 90, 30), cv2.FILLED, cv2.LINE_AA, 4)
     return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
-
-
-@pytest.fixture(scope="module")
-def camera() -> Iterator[MjpegServer]:
-    with MjpegServer(scene) as server:
-        yield server
-
-
-@pytest.fixture
-def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
-    """A page that shows the balls of a camera."""
-    page.goto(show(camera.url))
-    wait_for_picture(page)
-    return page
 
 
 @pytest.fixture(scope="module")

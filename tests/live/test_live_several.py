@@ -2,53 +2,32 @@
 
 import itertools
 import math
-import time
 from collections.abc import Callable
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from matchset.image.frame import Frame
+from followed_pictures import Loop
 from matchset.live.targets.followed_targets import FollowedTargets, FollowedTargetsParameters
 from matchset.live.targets.messages import Drop, FindAll, Pick, Rename
-from matchset.live.vision.kept_frames import KeptFrames
-from matchset.live.wire.state import TargetState
 from matchset.shapes.circle import Circle
 
-PATIENCE = 20.0  # s; only ever spent where a test fails
 
-
-class Alike:
-    """Equal balls, 30 pictures a second, at places that a function says by the number of moves; the last in front."""
+class Alike(Loop):
+    """Equal balls at places that a function says by the number of moves; the last in front."""
 
     def __init__(self, places: Callable[[int], list[tuple[float, float]]]) -> None:
-        self.places, self.moves, self.number = places, 0, 0
-        self.kept, self.notes = KeptFrames(), list[str]()
-        self.followed = FollowedTargets(self.kept, self.notes.append, FollowedTargetsParameters(trial=0.3))
-        self.states: list[TargetState] = []
-        self.step()
+        self.places, self.moves = places, 0
+        super().__init__(self.draw)
 
-    def frame(self) -> Frame:
+    def draw(self) -> npt.NDArray[np.uint8]:
         image = np.random.default_rng(self.number).normal(90.0, 2.0, (120, 260, 3))
         for x, y in self.places(self.moves):
             center = round(16 * x), round(16 * y)
             cv2.circle(image, center, 14 * 16, (210, 90, 30), cv2.FILLED, cv2.LINE_AA, 4)
-        blurred = cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7)
-        return Frame(blurred.astype(np.uint8), self.number / 30.0, self.number)
-
-    def step(self) -> None:
-        frame = self.frame()
-        self.number += 1
-        self.states = self.followed.update(frame)
-        self.kept.add(self.number, frame)
-
-    def until(self, condition: Callable[[], object]) -> None:
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end, (self.states, self.notes)
-            self.step()
-            time.sleep(0.002)
+        return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
 
     def move(self) -> None:
         self.moves += 1

@@ -79,14 +79,13 @@ class FileGroup:
                 other.put(place, Lost(f"hidden behind {target.name}, which looks the same", track.time))
         target.put(place, track)
 
-    def twins(self, place: int) -> list[tuple[FileTarget, FileTarget]]:
-        """Return pairs of members that are on one outline in a frame."""
-        found = []
+    def twins(self, place: int) -> tuple[FileTarget, FileTarget] | None:
+        """Return two members that are on one outline in a frame, the elder first; None: there are none."""
         for one, other in itertools.combinations(self.members.values(), 2):
             a, b = one.answer(place), other.answer(place)
             if isinstance(a, Track) and isinstance(b, Track) and on_one(a, b):
-                found.append((one, other))
-        return found
+                return one, other
+        return None
 
     def set_finds(self, finds: bool) -> None:
         """Have all that looks like them followed, too, or no more of them."""

@@ -222,16 +222,18 @@ class FileTracking(Closing):
 
     def _grant(self) -> None:
         """Do what was asked for."""
-        if not self._stop.is_set():
-            self._urgent.clear()
         while not self._stop.is_set():
+            self._urgent.clear()
             wish = self._wishes.take()
             if wish is None:
                 return
             try:
                 self._do(wish)
-            except InterruptedReadingError:  # a newer click: this one gives way
-                self._turn_away(wish, NEWER)
+            except InterruptedReadingError:  # something newer goes first; of clicks that one counts alone
+                if isinstance(wish, Pick | Outline) and len(self._wishes):
+                    self._turn_away(wish, NEWER)
+                else:
+                    self._wishes.put(wish)
             except ValueError as error:
                 self._note(str(error))
                 self._turn_away(wish, str(error))
@@ -287,7 +289,8 @@ class FileTracking(Closing):
 
     def _begin_together(self, run: AlikeRun) -> None:
         """End the runs of single targets that are followed together from here on; two on one outline are one."""
-        for one, other in run.group.twins(run.click):
+        while twins := run.group.twins(run.click):
+            one, other = twins
             self._note(f"{other.name} is {one.name}, which is followed already")
             self._forget(other)
         for each in run.group.members.values():
@@ -330,12 +333,9 @@ class FileTracking(Closing):
     def _begin(self, wish: Pick | Outline) -> None:
         """Begin a target; those that were tried in vain so far give way to it."""
         for number, trial in list(self._trials.items()):
-            tried = self.targets.get(number)
-            if tried is None or tried.known:
+            if self.targets[number].known:
                 self.clicks.turn_away(trial.begin, NEWER)
-                self._trials.pop(number)
-                if tried is not None:
-                    self._forget(tried)
+                self._forget(self.targets[number])
         if len(self.targets) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         place, since = self._shown.place_of(wish.sequence), time.monotonic()

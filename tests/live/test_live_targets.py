@@ -136,8 +136,8 @@ def test_what_waits_for_a_target_that_cannot_be_read_anew_is_done_with_what_it_w
     assert loop.notes[1] == "a target's name must not be empty"
     (state,) = loop.states
     assert (state.found, state.name, state.diameter, state.finds) == (True, "mine", 0.3, True)
-    for wish in (Reread(1, 99), Drop(1), Rename(1, "late")):
-        loop.followed.do(wish)
+    for last in (Reread(1, 99), Drop(1), Rename(1, "late")):
+        loop.followed.do(last)
     loop.until(lambda: len(loop.notes) == 4)
     assert loop.notes[3] == "there is no target 1 any more"
     loop.step()

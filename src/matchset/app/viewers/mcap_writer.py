@@ -54,7 +54,11 @@ class ChannelWriter(Closing):
         self._file = WholeFile(path)
         # Pictures are compressed already.
         self._writer: Any = Writer(cast(IO[bytes], self._file), compression=CompressionType.NONE)
-        self._writer.start(profile=profile, library="matchset")
+        try:
+            self._writer.start(profile=profile, library="matchset")
+        except BaseException:
+            self._file.discard()
+            raise
         self._closed = False
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}

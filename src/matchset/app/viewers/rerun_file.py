@@ -39,16 +39,25 @@ class RerunFile(Closing):
 
         self._rerun: Any = rerun
         self._radius = 0.5 * diameter
-        self._file = PipedFile(path)
+        self._there, self._logged, self._plotted = set[str](), set[str](), set[str]()
+        self._planned = self._closed = False
         self._record = rerun.RecordingStream("matchset")
+        self._file = PipedFile(path)
+        try:
+            self._begin(camera)
+        except BaseException:
+            self._record.disconnect()
+            self._file.discard()
+            raise
+
+    def _begin(self, camera: CameraModel | None) -> None:
+        """Open the file, and log what holds for all frames."""
         self._record.set_log_time_enabled(False)
         self._record.set_log_tick_enabled(False)
         self._record.save(self._file.name)
         self._file.opened()
-        self._there, self._logged, self._plotted = set[str](), set[str](), set[str]()
-        self._planned = self._closed = False
         classes = [(k, "", (red, green, blue)) for k, (blue, green, red) in enumerate(PALETTE)]
-        self._record.log("/", rerun.AnnotationContext(classes), rerun.ViewCoordinates.RDF, static=True)
+        self._record.log("/", self._rerun.AnnotationContext(classes), self._rerun.ViewCoordinates.RDF, static=True)
         if camera is not None:
             self._record.log("camera", self._pinhole(camera), static=True)
 

@@ -52,7 +52,7 @@ class PipedFile(Closing):
         self._is_opened = True
 
     def discard(self) -> None:
-        """Write nothing, since the library could not begin, and has closed it; what was there before stays."""
+        """Delete what the library has written, which has closed it; what was there before stays."""
         self.opened()
         if self._file is None:
             self.name.unlink(missing_ok=True)
@@ -68,7 +68,11 @@ class PipedFile(Closing):
             return
         self._thread.join()
         self._file.close()
-        if self._file.error is not None:
+        self.check()
+
+    def check(self) -> None:
+        """Raise the OSError of what could not be written so far, if there is one."""
+        if self._file is not None and self._file.error is not None:
             raise self._file.error
 
     def _copy(self, file: WholeFile) -> None:

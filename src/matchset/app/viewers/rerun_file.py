@@ -46,8 +46,7 @@ class RerunFile(Closing):
         try:
             self._begin(camera)
         except BaseException:
-            self._record.disconnect()
-            self._file.discard()
+            self.discard()
             raise
 
     def _begin(self, camera: CameraModel | None) -> None:
@@ -62,7 +61,14 @@ class RerunFile(Closing):
             self._record.log("camera", self._pinhole(camera), static=True)
 
     def write(self, seen: ViewedFrame) -> None:
-        """Append a frame; of one that could not be decoded the targets only."""
+        """Append a frame; of one that could not be decoded the targets only.
+
+        Raises
+        ------
+        OSError
+            If one of those before it could not be written.
+        """
+        self._file.check()
         clock = "timestamp" if seen.time > EPOCH else "duration"
         self._record.set_time("capture_time", **{clock: seen.time})
         self._record.set_time("frame", sequence=seen.number)
@@ -87,6 +93,12 @@ class RerunFile(Closing):
         self._closed = True
         self._record.disconnect()
         self._file.close()
+
+    def discard(self) -> None:
+        """Delete what was written; what was there before stays."""
+        self._closed = True
+        self._record.disconnect()
+        self._file.discard()
 
     def _target(self, seen: ViewedTarget) -> None:
         """Log a target: outline, place, numbers."""

@@ -16,6 +16,10 @@ UPPER, LOWER, APART = 84.0, 116.0, 205.0  # px, of the rows on which balls move
 NAMES = 'left <b>hand</b> & "x"'
 MARKS = """(id) => [...document.querySelectorAll(`${id} .mark`)].map((mark) =>
   [Number(mark.parentElement.dataset.id), mark.dataset.kind, mark.querySelector('title').textContent])"""
+BOXES = """() => [...document.querySelectorAll('#drawing .target-name')].map((name) => {
+  const { left, right, top, bottom } = name.getBoundingClientRect();
+  return [name.textContent, left, right, top, bottom];
+})"""
 LINES = """(id) => [...document.querySelectorAll(`${id} .life`)].map((life) =>
   [Number(life.dataset.id), life.querySelector('.of').textContent,
     life.querySelector('.found').getAttribute('stroke')])"""
@@ -99,6 +103,30 @@ def test_a_target_has_the_name_that_a_person_gives_it(opened: Any) -> None:
     wait_until(opened, "document.querySelector('#notes').innerText.includes('already')")
     assert rows(opened)[0] == NAMES
     assert rows(opened)[1] not in (NAMES.upper(), old)
+
+
+def test_names_in_the_picture_are_short_and_beside_each_other(opened: Any) -> None:
+    click_row(opened, APART)
+    opened.locator("#targets li .all").click()
+    wait_until(opened, lambda: len(rows(opened)) == 3)
+    for row, name in enumerate(("🏀" * 29, "w" * 60, "third")):
+        opened.locator("#targets .rename").nth(row).click()
+        opened.keyboard.insert_text(name)
+        opened.keyboard.press("Enter")
+        wait_until(opened, lambda name=name, row=row: rows(opened)[row].startswith(name))
+    opened.locator("#targets summary").locator("visible=true").click()
+    chosen = opened.locator("#targets .chosen .words").inner_text()
+    assert opened.get_by_label(f"diameter of {chosen}").is_visible()
+    assert opened.get_by_label(f"width of the marker of {chosen}").is_visible()
+    seen, boxes = set[str](), list[Any]()
+    for _ in range(60):  # they pass each other
+        names = opened.evaluate(BOXES)
+        seen |= {words.rstrip("?") for words, *_ in names}
+        boxes += [(a, b) for k, a in enumerate(names) for b in names[:k]]
+        opened.wait_for_timeout(50)
+    assert seen == {"🏀" * 23 + "…", "w" * 23 + "…", "third"}
+    for (_, left, right, top, bottom), (_, begin, end, high, low) in boxes:
+        assert min(right, end) - max(left, begin) < 3.0 or min(bottom, low) - max(top, high) < 5.0
 
 
 def test_all_like_one_are_found_and_their_lives_are_marked(opened: Any) -> None:

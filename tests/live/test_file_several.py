@@ -3,6 +3,7 @@
 import csv
 import itertools
 import math
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -134,6 +135,27 @@ def test_all_like_one_are_found_with_their_births(feed: FileFeed, notes: list[st
     feed.ask(Drop(1))
     wait(lambda: list(feed.tracking.targets) == [2, 3])
     assert notes == []
+
+
+def test_one_that_is_dropped_while_all_like_it_are_looked_for_stays_dropped(
+    feed: FileFeed, notes: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    click(feed, 0, 0)
+    held, step = threading.Event(), AlikeRun.step
+
+    def slow(run: AlikeRun, begin: Any) -> None:
+        if run.place > 20:
+            held.wait(60.0)
+        step(run, begin)
+
+    monkeypatch.setattr(AlikeRun, "step", slow)
+    feed.ask(FindAll(1))
+    wait(lambda: len(feed.tracking.targets) == 2)
+    feed.ask(Drop(2))
+    held.set()
+    wait(lambda: list(feed.tracking.targets) == [1] and not feed.tracking.busy)
+    assert notes == ["no more like circle 2 are looked for, or it would be found again"]
+    assert not feed.tracking.targets[1].finds
 
 
 def test_of_several_on_one_outline_the_eldest_stays_and_each_is_named_once(feed: FileFeed, notes: list[str]) -> None:

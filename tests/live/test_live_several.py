@@ -112,7 +112,7 @@ def test_all_like_one_are_found_up_to_the_limit_and_end_when_they_are_gone() -> 
     loop.followed.do(FindAll(1))
     loop.until(lambda: len(loop.states) == 5 and all(state.found for state in loop.states))
     assert [state.finds for state in loop.states] == [True] * 5
-    assert loop.notes == ["5 targets are enough: no more are looked for until one is dropped"]
+    assert loop.notes == ["5 targets are enough: no more are looked for until one is gone"]
     for wish in (FindAll(1), Pick(loop.number, *places(0)[5])):
         with pytest.raises(ValueError, match="5 targets are enough: drop one first"):
             loop.followed.do(wish)
@@ -126,6 +126,21 @@ def test_all_like_one_are_found_up_to_the_limit_and_end_when_they_are_gone() -> 
     loop.followed.do(FindAll(1, on=False))
     loop.step()
     assert not any(state.finds for state in loop.states)
+    loop.followed.close()
+
+
+def test_one_that_is_dropped_while_all_like_it_are_looked_for_stays_dropped() -> None:
+    loop = Alike(passing)
+    loop.click(0)
+    loop.followed.do(FindAll(1))
+    loop.until(lambda: len(loop.found()) == 3)
+    loop.followed.do(Drop(3))
+    assert loop.notes == ["no more like circle 3 are looked for, or it would be found again"]
+    for _ in range(20):
+        loop.step()
+    assert [(state.name, state.finds) for state in loop.states] == [("circle 1", False), ("circle 2", False)]
+    loop.followed.do(FindAll(1))
+    loop.until(lambda: len(loop.found()) == 3)
     loop.followed.close()
 
 

@@ -139,6 +139,14 @@ class FileGroups:
             self._groups.append(group)
         return group
 
+    def end_finding(self, number: int) -> bool:
+        """Look for no more like a target that a person drops; returns whether some were looked for, and others stay."""
+        group = self.of(number)
+        if group is None or not group.finds or len(group.members) == 1:
+            return False
+        group.set_finds(False)
+        return True
+
     def forget(self, number: int) -> None:
         """Follow a target no more."""
         group = self.of(number)

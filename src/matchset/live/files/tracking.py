@@ -16,18 +16,19 @@ from matchset.live.files.messages import Correct
 from matchset.live.files.player import ClickedPictures
 from matchset.live.files.run import RecentCount, TrackingParameters, TrackingRun
 from matchset.live.files.trials import Trial, Trials
+from matchset.live.targets.alike import DROPPED
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.messages import (
+    Begin,
     Diameter,
     Drop,
     FieldOfView,
     FindAll,
     Hold,
-    Marker,
-    Outline,
     Pick,
     Rename,
     Reread,
+    Wish,
 )
 from matchset.live.targets.target import ClickedTarget
 from matchset.live.targets.target_facts import checked_name, free_name
@@ -39,7 +40,7 @@ from matchset.media.exact_reader import ExactReader, InterruptedReadingError
 from matchset.media.frame_list import FrameList
 from matchset.tracking.track import Track
 
-Asked = Pick | Outline | Hold | Correct | Drop | Reread | Rename | FindAll | Diameter | Marker | FieldOfView
+Asked = Wish | Correct
 
 
 class FileTracking(Closing):
@@ -66,8 +67,6 @@ class FileTracking(Closing):
         Cleared while a click waits for its answer: what reads ahead lets it have the processor.
     answered : callable
         Called in the thread when a first click was tried; told whether something was found there.
-    version : int
-        Changes whenever something else is known.
     """
 
     def __init__(
@@ -88,8 +87,7 @@ class FileTracking(Closing):
         self.camera: CameraModel | None = None
         self.size = (0, 0)
         self._changes = self._numbers = 0
-        self._runs = RunQueue(reader)
-        self._groups = FileGroups()
+        self._runs, self._groups = RunQueue(reader), FileGroups()
         self._done = RecentCount(self._parameters.rate_over)
         self._computing = ShownTimes()
         self._wishes: WaitingWishes[Asked] = WaitingWishes(self._parameters.wishes)
@@ -105,9 +103,9 @@ class FileTracking(Closing):
             self.clicks.leave_out(given_up)
         if given_up is wish:
             return
-        if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading
+        if isinstance(wish, Begin | Correct | Drop | Reread):  # who clicks waits for no long reading
             self._urgent.set()
-        if isinstance(wish, Pick | Outline):
+        if isinstance(wish, Begin):
             self.calm.clear()
         self._news.set()
 
@@ -230,7 +228,7 @@ class FileTracking(Closing):
             try:
                 self._do(wish)
             except InterruptedReadingError:  # something newer goes first; of clicks that one counts alone
-                if isinstance(wish, Pick | Outline) and len(self._wishes):
+                if isinstance(wish, Begin) and len(self._wishes):
                     self._turn_away(wish, NEWER)
                 else:
                     self._wishes.put(wish)
@@ -240,12 +238,12 @@ class FileTracking(Closing):
             self._changes += 1
 
     def _turn_away(self, wish: Asked, words: str) -> None:
-        if isinstance(wish, Pick | Outline):
+        if isinstance(wish, Begin):
             self.clicks.turn_away(wish, words)
             self._tell(False)
 
     def _do(self, wish: Asked) -> None:
-        if isinstance(wish, Pick | Outline):
+        if isinstance(wish, Begin):
             self._begin(wish)
         elif isinstance(wish, Hold):
             self._shown.place_of(wish.sequence)  # every frame of a video can be read again
@@ -256,6 +254,8 @@ class FileTracking(Closing):
             if isinstance(wish, Correct):
                 self._correct(target, wish)
             elif isinstance(wish, Drop):
+                if self._groups.end_finding(target.number):
+                    self._note(DROPPED.format(target.name))
                 self._forget(target)
             elif isinstance(wish, Diameter):
                 target.locate(self.camera, ball_of(wish))
@@ -330,7 +330,7 @@ class FileTracking(Closing):
             raise ValueError(f"there is no target {number} any more")
         return found
 
-    def _begin(self, wish: Pick | Outline) -> None:
+    def _begin(self, wish: Begin) -> None:
         """Begin a target; those that were tried in vain so far give way to it."""
         for number, trial in list(self._trials.items()):
             if self.targets[number].known:
@@ -343,7 +343,7 @@ class FileTracking(Closing):
         self._numbers += 1
         self._trials[self._numbers] = Trial(wish, since)
 
-    def _follow(self, number: int, click: Pick | Outline, place: int, ball: BallTarget | None) -> None:
+    def _follow(self, number: int, click: Begin, place: int, ball: BallTarget | None) -> None:
         """Follow a target from its first click on, both ways."""
         frame = self._frame(click, place)
         made = ClickedTarget(number, click, frame)
@@ -357,7 +357,7 @@ class FileTracking(Closing):
         if made.note:
             self._note(made.note)
 
-    def _frame(self, click: Pick | Outline | Correct, place: int) -> Frame:
+    def _frame(self, click: Begin | Correct, place: int) -> Frame:
         """Return the frame that was clicked: the one that is shown, else it is read."""
         frame = self._shown.frame_of(click.sequence)
         return self._reader.frame(place) if frame is None else frame

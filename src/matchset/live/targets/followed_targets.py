@@ -10,7 +10,7 @@ import msgspec
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.live.targets.alike import TogetherAnswer
+from matchset.live.targets.alike import DROPPED, TogetherAnswer
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.groups import AlikeGroups
 from matchset.live.targets.messages import (
@@ -151,7 +151,9 @@ class FollowedTargets(Closing):
         elif making is not None:
             making.later.append(wish)
         elif isinstance(wish, Drop):
-            self.target(wish.target)
+            target = self.target(wish.target)
+            if self._groups.end_finding(wish.target):
+                self._note(DROPPED.format(target.name))
             self._forget(wish.target)
         elif isinstance(wish, Reread):
             self._reread(wish)
@@ -228,7 +230,7 @@ class FollowedTargets(Closing):
         target = self._targets[self._numbers] = other.alike(self._numbers)
         target.name = free_name(target.name, self._names_without(target))
         if self._room <= 0:
-            self._note(f"{self._parameters.targets} targets are enough: no more are looked for until one is dropped")
+            self._note(f"{self._parameters.targets} targets are enough: no more are looked for until one is gone")
         return target
 
     def _names_without(self, target: ClickedTarget) -> list[str]:

@@ -231,7 +231,7 @@ class FileTracking(Closing):
                 if isinstance(wish, Begin) and len(self._wishes):
                     self._turn_away(wish, NEWER)
                 else:
-                    self._wishes.put(wish)
+                    self.ask(wish)
             except ValueError as error:
                 self._note(str(error))
                 self._turn_away(wish, str(error))

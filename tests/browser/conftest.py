@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from live_clips import filmed, going_around, leaving
-from live_pages import WAIT, Servers, Shared
+from live_pages import WAIT, Servers, Shared, wait_for_picture
 from matchset.live.compiling import compile_needed
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from mjpeg_server import MjpegServer
@@ -81,6 +81,13 @@ def serve(tmp_path: Path, warm: None) -> Iterator[Servers]:
 
 
 @pytest.fixture(scope="module")
+def camera(request: pytest.FixtureRequest) -> Iterator[MjpegServer]:
+    """A camera in the network that sees what `scene` of the file draws."""
+    with MjpegServer(request.module.scene) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
 def show(tmp_path_factory, warm: None) -> Iterator[Shared]:
     """Address of a server that shows a source: one for all tests of a file, of which each finds it opened anew."""
     with contextlib.closing(Servers(tmp_path_factory.mktemp("shown"))) as servers:
@@ -91,6 +98,14 @@ def show(tmp_path_factory, warm: None) -> Iterator[Shared]:
 def served(show: Shared, clip) -> str:
     """Address of a server that shows `clip`, shared as `show` does."""
     return show(str(clip[0]))
+
+
+@pytest.fixture
+def opened(camera: MjpegServer, show: Shared, page: Any) -> Any:
+    """A page that shows `camera`."""
+    page.goto(show(camera.url))
+    wait_for_picture(page)
+    return page
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 """A click on the page: a ring at once, the outline or the words why not, a next click that counts; faults in full."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -43,20 +42,6 @@ def scene(number: int) -> npt.NDArray[np.uint8]:
     image = np.random.default_rng(number % 8).normal(90.0, 2.0, (240, 320, 3))
     cv2.circle(image, (BALL[0] + number % 2, BALL[1]), 30, (210, 90, 30), cv2.FILLED, cv2.LINE_AA)
     return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
-
-
-@pytest.fixture(scope="module")
-def camera() -> Iterator[MjpegServer]:
-    with MjpegServer(scene) as server:
-        yield server
-
-
-@pytest.fixture
-def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
-    """A page that shows the ball of a camera."""
-    page.goto(show(camera.url))
-    wait_for_picture(page)
-    return page
 
 
 def test_a_ring_is_there_before_any_answer_and_goes_when_the_outline_comes(opened: Any) -> None:

@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -11,7 +10,6 @@ import numpy.typing as npt
 import pytest
 
 from live_pages import WAIT, on_screen, wait_until
-from mjpeg_server import MjpegServer
 
 FOUR = re.compile(r"^computing a picture: median [\d.]+, mean [\d.]+, 95 % [\d.]+, worst [\d.]+ ms$")
 DRAWING = 8.0  # ms, half of a frame at 60 frames/s; taken in 0.3 ms on an idle machine
@@ -62,20 +60,6 @@ def scene(number: int) -> npt.NDArray[np.uint8]:
     middle = round(160 + 20 * math.sin(number / 15)), 120
     cv2.circle(image, middle, 40, (210, 90, 30), cv2.FILLED, cv2.LINE_AA)
     return image
-
-
-@pytest.fixture(scope="module")
-def camera() -> Iterator[MjpegServer]:
-    with MjpegServer(scene) as server:
-        yield server
-
-
-@pytest.fixture
-def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
-    """A page that shows the ball of a camera."""
-    page.goto(show(camera.url))
-    wait_until(page, "picture.width === 320")
-    return page
 
 
 def test_thirty_seconds_are_kept_with_their_extremes_and_what_was_lost(opened: Any) -> None:

@@ -3,7 +3,7 @@
 import functools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -49,20 +49,6 @@ def scene(number: int) -> npt.NDArray[np.uint8]:
     x, y, width, height = BOX
     cv2.rectangle(image, (x, y), (x + width, y + height), (60, 170, 60), cv2.FILLED)
     return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
-
-
-@pytest.fixture(scope="module")
-def camera() -> Iterator[MjpegServer]:
-    with MjpegServer(scene) as server:
-        yield server
-
-
-@pytest.fixture
-def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
-    """A page that shows the scene."""
-    page.goto(show(camera.url))
-    wait_until(page, "picture.width === 320")
-    return page
 
 
 def follow(page: Any, x: float, y: float, name: str) -> None:

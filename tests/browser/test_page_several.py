@@ -1,7 +1,6 @@
 """Several balls that look alike on the page keep their names, which change; all like one; marks of their lives."""
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +11,15 @@ import pytest
 
 import crossing_balls
 from live_pages import Heard, hold, on_screen, rows, state_of, tell, wait_for_picture, wait_until
-from mjpeg_server import MjpegServer
 
 UPPER, LOWER, APART = 84.0, 116.0, 205.0  # px, of the rows on which balls move
 NAMES = 'left <b>hand</b> & "x"'
 MARKS = """(id) => [...document.querySelectorAll(`${id} .mark`)].map((mark) =>
   [Number(mark.parentElement.dataset.id), mark.dataset.kind, mark.querySelector('title').textContent])"""
+BOXES = """() => [...document.querySelectorAll('#drawing .target-name')].map((name) => {
+  const { left, right, top, bottom } = name.getBoundingClientRect();
+  return [name.textContent, left, right, top, bottom];
+})"""
 LINES = """(id) => [...document.querySelectorAll(`${id} .life`)].map((life) =>
   [Number(life.dataset.id), life.querySelector('.of').textContent,
     life.querySelector('.found').getAttribute('stroke')])"""
@@ -30,20 +32,6 @@ def scene(number: int) -> npt.NDArray[np.uint8]:
     for x, y in ((160.0 + way, UPPER), (160.0 - way, LOWER), (160.0, APART)):
         cv2.circle(image, (round(16 * x), round(16 * y)), 24 * 16, (210, 90, 30), cv2.FILLED, cv2.LINE_AA, 4)
     return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
-
-
-@pytest.fixture(scope="module")
-def camera() -> Iterator[MjpegServer]:
-    with MjpegServer(scene) as server:
-        yield server
-
-
-@pytest.fixture
-def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
-    """A page that shows the balls of a camera."""
-    page.goto(show(camera.url))
-    wait_for_picture(page)
-    return page
 
 
 @pytest.fixture(scope="module")
@@ -115,6 +103,32 @@ def test_a_target_has_the_name_that_a_person_gives_it(opened: Any) -> None:
     wait_until(opened, "document.querySelector('#notes').innerText.includes('already')")
     assert rows(opened)[0] == NAMES
     assert rows(opened)[1] not in (NAMES.upper(), old)
+
+
+def test_names_in_the_picture_are_short_and_beside_each_other(opened: Any) -> None:
+    click_row(opened, APART)
+    opened.locator("#targets li .all").click()
+    wait_until(opened, lambda: len(rows(opened)) == 3)
+    given = ["🏀" * 29, "w" * 60, "third"]
+    for row, name in enumerate(given):
+        opened.locator("#targets .rename").nth(row).click()
+        opened.keyboard.insert_text(name)
+        opened.keyboard.press("Enter")
+    names = "[...document.querySelectorAll('#targets .words')].map((each) => each.textContent)"
+    wait_until(opened, lambda: opened.evaluate(names) == given)
+    opened.locator("#targets summary").locator("visible=true").click()
+    chosen = opened.locator("#targets .chosen .words").inner_text()
+    assert opened.get_by_label(f"diameter of {chosen}").is_visible()
+    assert opened.get_by_label(f"width of the marker of {chosen}").is_visible()
+    seen, boxes = set[str](), list[Any]()
+    for _ in range(60):  # they pass each other
+        drawn = opened.evaluate(BOXES)
+        seen |= {words.rstrip("?") for words, *_ in drawn}
+        boxes += [(a, b) for k, a in enumerate(drawn) for b in drawn[:k]]
+        opened.wait_for_timeout(50)
+    assert seen == {"🏀" * 23 + "…", "w" * 23 + "…", "third"}
+    for (_, left, right, top, bottom), (_, begin, end, high, low) in boxes:
+        assert min(right, end) - max(left, begin) < 3.0 or min(bottom, low) - max(top, high) < 5.0
 
 
 def test_all_like_one_are_found_and_their_lives_are_marked(opened: Any) -> None:

@@ -2,20 +2,23 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from live_videos import CLICK, FRAMES, NOTHING, Gate, center, go, opened, wait, written
 from matchset.app.track.rows import read_tracks
+from matchset.image.frame import Frame
 from matchset.live.files.exports import KnownPart
 from matchset.live.files.file_feed import FileFeed
 from matchset.live.files.file_target import FileTarget
-from matchset.live.files.messages import Export, Pause, Play, Step
+from matchset.live.files.messages import Correct, Export, Pause, Play, Step
 from matchset.live.files.trials import TrialParameters, Trials
-from matchset.live.targets.messages import Drop, Pick, Rename
+from matchset.live.targets.messages import Drop, Pick, Rename, Reread
 from matchset.live.targets.target import BesideParameters
 from matchset.live.wire.state import State
+from matchset.media.exact_reader import InterruptedReadingError
 
 
 @pytest.fixture(scope="module")
@@ -221,3 +224,25 @@ def test_the_next_click_waits_for_no_long_reading(feed: FileFeed, monkeypatch: p
     gate.open()
     wait(lambda: list(feed.tracking.targets) == [1])
     assert feed.tracking._reader.interrupted() is False
+
+
+def test_what_is_no_click_is_done_after_what_was_more_urgent(
+    feed: FileFeed, notes: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    wait(lambda: feed.tracking.targets and not feed.tracking.busy)
+    before, read, interrupted = feed.tracking.targets[1], feed.tracking._frame, list[int]()
+
+    def reading(click: Any, place: int) -> Frame:
+        if place not in interrupted:
+            interrupted.append(place)
+            raise InterruptedReadingError
+        return read(click, place)
+
+    monkeypatch.setattr(feed.tracking, "_frame", reading)
+    feed.panel.take(Correct(1, go(feed, 40), *center(40)), "")
+    wait(lambda: list(before.clicks) == [CLICK, 40])
+    feed.ask(Reread(1, 1))
+    wait(lambda: feed.tracking.targets[1] is not before and not feed.tracking.busy)
+    assert interrupted == [40, CLICK]
+    assert notes == []

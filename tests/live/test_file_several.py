@@ -3,18 +3,23 @@
 import csv
 import itertools
 import math
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import matchset as ms
 from crossing_balls import FRAMES, LATE, RADIUS, places, written
 from live_videos import go, opened, wait
 from matchset.app.track.rows import read_tracks
+from matchset.live.files.alike_run import AlikeRun
 from matchset.live.files.file_feed import FileFeed
+from matchset.live.files.file_target import FileTarget
 from matchset.live.files.messages import Correct, Export
+from matchset.live.targets.alike import ALIKE
 from matchset.live.targets.messages import Drop, FindAll, Pick, Rename
 
 NEAR, TOUCH = 4.0, 2.2 * RADIUS  # px
@@ -130,6 +135,42 @@ def test_all_like_one_are_found_with_their_births(feed: FileFeed, notes: list[st
     feed.ask(Drop(1))
     wait(lambda: list(feed.tracking.targets) == [2, 3])
     assert notes == []
+
+
+def test_one_that_is_dropped_while_all_like_it_are_looked_for_stays_dropped(
+    feed: FileFeed, notes: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    click(feed, 0, 0)
+    held, step = threading.Event(), AlikeRun.step
+
+    def slow(run: AlikeRun, begin: Any) -> None:
+        if run.place > 20:
+            held.wait(60.0)
+        step(run, begin)
+
+    monkeypatch.setattr(AlikeRun, "step", slow)
+    feed.ask(FindAll(1))
+    wait(lambda: len(feed.tracking.targets) == 2)
+    feed.ask(Drop(2))
+    held.set()
+    wait(lambda: list(feed.tracking.targets) == [1] and not feed.tracking.busy)
+    assert notes == ["no more like circle 2 are looked for, or it would be found again"]
+    assert not feed.tracking.targets[1].finds
+
+
+def test_of_several_on_one_outline_the_eldest_stays_and_each_is_named_once(feed: FileFeed, notes: list[str]) -> None:
+    step, targets = 0.8 * ALIKE.tracker.merge.distance * RADIUS, dict[int, FileTarget]()
+    for number, x in enumerate((0.0, 1.0, 2.0, 8.0, 8.1, 8.2), start=1):
+        targets[number] = FileTarget(number, Pick(1, 0.0, 0.0), 0)
+        answer = ms.Track(ms.Circle(100.0 + step * x, 80.0, RADIUS), np.eye(3), 1.0, np.empty((0, 2)), 0.0)
+        targets[number].put(0, answer)
+        group = feed.tracking._groups.begin(targets[1])
+        group.add(targets[number])
+    feed.tracking.targets = targets
+    feed.tracking._begin_together(AlikeRun(group, 0, False, feed.tracking._reader))
+    assert list(feed.tracking.targets) == list(group.members) == [1, 3, 4]  # the third is on the second's alone
+    words = "circle {} is circle {}, which is followed already"
+    assert notes == [words.format(2, 1), words.format(5, 4), words.format(6, 4)]
 
 
 @pytest.mark.parametrize(

@@ -2,53 +2,32 @@
 
 import itertools
 import math
-import time
 from collections.abc import Callable
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from matchset.image.frame import Frame
+from followed_pictures import Loop
 from matchset.live.targets.followed_targets import FollowedTargets, FollowedTargetsParameters
 from matchset.live.targets.messages import Drop, FindAll, Pick, Rename
-from matchset.live.vision.kept_frames import KeptFrames
-from matchset.live.wire.state import TargetState
 from matchset.shapes.circle import Circle
 
-PATIENCE = 20.0  # s; only ever spent where a test fails
 
-
-class Alike:
-    """Equal balls, 30 pictures a second, at places that a function says by the number of moves; the last in front."""
+class Alike(Loop):
+    """Equal balls at places that a function says by the number of moves; the last in front."""
 
     def __init__(self, places: Callable[[int], list[tuple[float, float]]]) -> None:
-        self.places, self.moves, self.number = places, 0, 0
-        self.kept, self.notes = KeptFrames(), list[str]()
-        self.followed = FollowedTargets(self.kept, self.notes.append, FollowedTargetsParameters(trial=0.3))
-        self.states: list[TargetState] = []
-        self.step()
+        self.places, self.moves = places, 0
+        super().__init__(self.draw)
 
-    def frame(self) -> Frame:
+    def draw(self) -> npt.NDArray[np.uint8]:
         image = np.random.default_rng(self.number).normal(90.0, 2.0, (120, 260, 3))
         for x, y in self.places(self.moves):
             center = round(16 * x), round(16 * y)
             cv2.circle(image, center, 14 * 16, (210, 90, 30), cv2.FILLED, cv2.LINE_AA, 4)
-        blurred = cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7)
-        return Frame(blurred.astype(np.uint8), self.number / 30.0, self.number)
-
-    def step(self) -> None:
-        frame = self.frame()
-        self.number += 1
-        self.states = self.followed.update(frame)
-        self.kept.add(self.number, frame)
-
-    def until(self, condition: Callable[[], object]) -> None:
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end, (self.states, self.notes)
-            self.step()
-            time.sleep(0.002)
+        return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
 
     def move(self) -> None:
         self.moves += 1
@@ -133,7 +112,7 @@ def test_all_like_one_are_found_up_to_the_limit_and_end_when_they_are_gone() -> 
     loop.followed.do(FindAll(1))
     loop.until(lambda: len(loop.states) == 5 and all(state.found for state in loop.states))
     assert [state.finds for state in loop.states] == [True] * 5
-    assert loop.notes == ["5 targets are enough: no more are looked for until one is dropped"]
+    assert loop.notes == ["5 targets are enough: no more are looked for until one is gone"]
     for wish in (FindAll(1), Pick(loop.number, *places(0)[5])):
         with pytest.raises(ValueError, match="5 targets are enough: drop one first"):
             loop.followed.do(wish)
@@ -147,6 +126,21 @@ def test_all_like_one_are_found_up_to_the_limit_and_end_when_they_are_gone() -> 
     loop.followed.do(FindAll(1, on=False))
     loop.step()
     assert not any(state.finds for state in loop.states)
+    loop.followed.close()
+
+
+def test_one_that_is_dropped_while_all_like_it_are_looked_for_stays_dropped() -> None:
+    loop = Alike(passing)
+    loop.click(0)
+    loop.followed.do(FindAll(1))
+    loop.until(lambda: len(loop.found()) == 3)
+    loop.followed.do(Drop(3))
+    assert loop.notes == ["no more like circle 3 are looked for, or it would be found again"]
+    for _ in range(20):
+        loop.step()
+    assert [(state.name, state.finds) for state in loop.states] == [("circle 1", False), ("circle 2", False)]
+    loop.followed.do(FindAll(1))
+    loop.until(lambda: len(loop.found()) == 3)
     loop.followed.close()
 
 

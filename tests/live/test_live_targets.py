@@ -1,8 +1,8 @@
 """Drawn outlines become shapes; what is clicked is followed, what is nothing ends in words."""
 
 import math
+import threading
 import time
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,18 +15,21 @@ from benchmarks.clicks.scenes import draw
 from hypothesis import given
 from hypothesis import strategies as st
 
+from followed_pictures import Loop
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.live.targets.drawn_outline import circle_along, shape_along
-from matchset.live.targets.followed_targets import FollowedTargets, FollowedTargetsParameters, _Trial
+from matchset.live.targets.followed_targets import _Trial
 from matchset.live.targets.messages import (
     Diameter,
     Drop,
     FieldOfView,
+    FindAll,
     Hold,
     Marker,
     Outline,
     Pick,
+    Rename,
     Reread,
 )
 from matchset.live.targets.target import ClickedTarget, is_beside
@@ -37,7 +40,6 @@ from matchset.shapes.rectangle import Rectangle
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from matchset.sim.clips.balloon import Balloon
 
-PATIENCE = 20.0  # s; only ever spent where a test fails
 BLUE, RED = (60, 60, 20), (200, 60, 16)
 Image = npt.NDArray[np.uint8]
 
@@ -90,31 +92,8 @@ def scene() -> Image:
     return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
 
 
-class Loop:
-    """Pictures of a scene, 30 a second, with what is followed."""
-
-    def __init__(self) -> None:
-        self.kept, self.notes, self.number = KeptFrames(), list[str](), 0
-        self.followed = FollowedTargets(self.kept, self.notes.append, FollowedTargetsParameters(trial=0.3))
-        self.states: list[TargetState] = []
-        self.step()
-
-    def step(self) -> None:
-        frame = Frame(scene(), self.number / 30.0, self.number)
-        self.number += 1
-        self.states = self.followed.update(frame)
-        self.kept.add(self.number, frame)
-
-    def until(self, condition: Callable[[], object]) -> None:
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end, (self.states, self.notes)
-            self.step()
-            time.sleep(0.002)
-
-
 def test_two_balls_a_click_on_one_again_and_a_drop() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     loop.followed.do(Pick(1, *BLUE[:2]))
     loop.followed.do(Pick(1, *RED[:2]))
     loop.until(lambda: [state.found for state in loop.states] == [True, True])
@@ -129,21 +108,9 @@ def test_two_balls_a_click_on_one_again_and_a_drop() -> None:
     loop.followed.close()
 
 
-class Still(Loop):
-    """A picture of a ball before a larger disc, again and again."""
-
-    image, ball, _ = draw("before a disc", 4)
-
-    def step(self) -> None:
-        self.number += 1
-        frame = Frame(self.image, self.number / 30.0, self.number)
-        self.kept.add(self.number, frame)
-        self.states = self.followed.update(frame)
-
-
 def test_a_click_can_be_read_anew() -> None:
-    loop = Still()
-    x, y, radius = loop.ball
+    image, (x, y, radius), _ = draw("before a disc", 4)
+    loop = Loop(lambda: image)
     loop.followed.do(Pick(1, x + 0.5 * radius, y))
     loop.until(lambda: [state.found for state in loop.states] == [True])
     (state,) = loop.states
@@ -158,8 +125,41 @@ def test_a_click_can_be_read_anew() -> None:
     loop.followed.close()
 
 
+def test_what_waits_for_a_target_that_cannot_be_read_anew_is_done_with_what_it_was() -> None:
+    loop = Loop(scene)
+    loop.followed.do(Pick(1, *BLUE[:2]))
+    loop.until(lambda: [state.found for state in loop.states] == [True])
+    for wish in (Reread(1, 99), Rename(1, "mine"), Diameter(1, 0.3), FindAll(1), Rename(1, " ")):
+        loop.followed.do(wish)
+    loop.until(lambda: len(loop.notes) == 2)
+    assert "99" in loop.notes[0]
+    assert loop.notes[1] == "a target's name must not be empty"
+    (state,) = loop.states
+    assert (state.found, state.name, state.diameter, state.finds) == (True, "mine", 0.3, True)
+    for last in (Reread(1, 99), Drop(1), Rename(1, "late")):
+        loop.followed.do(last)
+    loop.until(lambda: len(loop.notes) == 4)
+    assert loop.notes[3] == "there is no target 1 any more"
+    loop.step()
+    assert not loop.states
+    loop.followed.close()
+
+
+def test_what_waits_for_a_reading_that_gives_way_to_clicks_is_done() -> None:
+    loop, busy = Loop(scene), threading.Event()
+    loop.followed.do(Pick(1, *BLUE[:2]))
+    loop.until(lambda: [state.found for state in loop.states] == [True])
+    loop.followed._maker.order(busy.wait)  # type: ignore[arg-type]
+    for wish in (Reread(1, 1), Rename(1, "mine"), Pick(loop.number, *RED[:2]), Pick(loop.number, *RED[:2])):
+        loop.followed.do(wish)
+    busy.set()
+    loop.until(lambda: len(loop.states) == 2 and loop.states[1].found and not loop.states[1].pending)
+    assert [state.name for state in loop.states] == ["mine", "circle 3"]
+    loop.followed.close()
+
+
 def test_pages_hear_what_became_of_each_click() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     for count, place in enumerate(((120.0, 20.0), BLUE[:2], (-1.0, 5.0)), start=1):
         loop.followed.do(Pick(loop.number, *place))
         loop.until(lambda: len(loop.followed.clicks.state.answered) == count)  # noqa: B023
@@ -175,7 +175,7 @@ def test_pages_hear_what_became_of_each_click() -> None:
 
 
 def test_what_is_on_trial_is_not_lost_but_still_looked_for() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     loop.followed.do(Pick(1, 120.0, 20.0))
     seen: list[TargetState] = []
     while not loop.followed.clicks.state.answered:
@@ -187,7 +187,7 @@ def test_what_is_on_trial_is_not_lost_but_still_looked_for() -> None:
 
 
 def test_clicks_on_nothing_end_and_the_next_one_counts() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     for k in range(200):
         loop.followed.do(Pick(loop.number, 120.0 + k % 9, 20.0))
         if k % 20 == 0:
@@ -201,7 +201,7 @@ def test_clicks_on_nothing_end_and_the_next_one_counts() -> None:
 
 
 def test_a_diameter_a_view_and_an_outline_give_meters() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     x, y, radius = BLUE
     loop.followed.do(Outline(1, arc(x, y, radius, 0, 5).ravel().tolist()))
     loop.followed.do(Diameter(1, 0.28))
@@ -290,7 +290,7 @@ def test_each_of_many_that_look_alike_can_be_clicked() -> None:
 
 
 def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     for x, y in ((-1.0, 20.0), (260.0, 20.0), (20.0, -0.6), (20.0, 119.6)):
         loop.followed.do(Pick(loop.number, x, y))
         loop.until(lambda: loop.notes)
@@ -300,7 +300,7 @@ def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> Non
 
 
 def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     x, y, radius = BLUE
     loop.followed.do(Hold(1))
     for _ in range(KeepingParameters().frames + 10):
@@ -312,7 +312,7 @@ def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
 
 
 def test_a_click_that_was_held_for_longer_than_pictures_are_kept_is_followed() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     loop.followed.do(Hold(1))
     for _ in range(KeepingParameters().frames + 10):
         loop.step()
@@ -333,7 +333,7 @@ def test_what_is_found_far_from_a_click_is_no_answer_to_it(x: float, passed: flo
 
 
 def test_a_click_whose_color_is_found_elsewhere_is_refused() -> None:
-    loop = Loop()
+    loop = Loop(scene)
     x, y, _ = RED
     loop.followed.do(Pick(1, *BLUE[:2]))
     loop.until(lambda: loop.states and loop.states[0].found)

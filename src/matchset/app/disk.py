@@ -196,3 +196,9 @@ class WholeFile(Closing):
         self._file.close()
         if self._beside != self.path:
             self._beside.replace(self.path)
+
+    def discard(self) -> None:
+        """Close the file and delete what was written; what was there before stays."""
+        self._file.close()
+        if self._beside.is_file():
+            self._beside.unlink()

@@ -262,14 +262,36 @@ def test_what_is_written_so_far_is_there_if_the_program_is_killed(tmp_path: Path
     assert len(read_foxglove_file(path)) == 10
 
 
-def test_it_ends_while_there_is_room_for_the_tables_and_the_run_goes_on(tmp_path: Path) -> None:
-    nothing = ViewerParameters(space=SpaceParameters(keep_free=1e12, keep_share=1.0))
-    run = viewed((tracked(k) for k in range(9)), ViewerOptions(mcap=tmp_path / "a.mcap"), SOURCE, None, nothing)
+@pytest.mark.parametrize("there", [True, False])
+def test_it_ends_while_there_is_room_for_the_tables_and_the_run_goes_on(tmp_path: Path, there: bool) -> None:
+    nothing, path = ViewerParameters(space=SpaceParameters(keep_free=1e12, keep_share=1.0)), tmp_path / "a.mcap"
+    if there:
+        path.write_bytes(b"mine")
+    run = viewed((tracked(k) for k in range(9)), ViewerOptions(mcap=path), ("balls", True), None, nothing)
     seen: list[TrackedFrame] = []
     with pytest.raises(UnfinishedFileError, match=r"stopped, since only .* MB are free on its disk; it holds 0 of 9"):
         seen.extend(run)
     assert len(seen) == 9
-    assert read_foxglove_file(tmp_path / "a.mcap") == []
+    assert [each.read_bytes() for each in tmp_path.iterdir()] == ([b"mine"] if there else [])
+
+
+def test_a_run_without_a_frame_leaves_what_was_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    path.write_bytes(b"mine")
+    assert list(viewed(iter(list[TrackedFrame]()), ViewerOptions(mcap=path), ("balls", True))) == []
+    assert path.read_bytes() == b"mine"
+
+
+def test_a_file_that_cannot_be_begun_leaves_what_was_there(tmp_path: Path) -> None:
+    path, before = tmp_path / "a.mcap", resource.getrlimit(resource.RLIMIT_FSIZE)
+    path.write_bytes(b"mine")
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4, before[1]))
+    try:
+        with pytest.raises(OSError, match="too large"):
+            FoxgloveFile(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"mine"]
 
 
 def test_what_does_not_fit_ends_with_a_whole_frame(tmp_path: Path) -> None:

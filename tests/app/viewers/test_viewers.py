@@ -175,10 +175,13 @@ def test_what_rerun_could_not_write_is_said(tmp_path: Path) -> None:
     words = command("track", "long.avi", "--pick", "60,60", "--no-video", "-o", "out", "--rerun", "a.rrd")
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, preexec_fn=short_of_room, check=False)
     assert done.returncode == 2, done.stderr
-    assert done.stderr.splitlines()[-1] == ("error: a.rrd: File too large; it holds at most 500 of 500 frames")
+    told = re.fullmatch(
+        r"error: a\.rrd: File too large; it holds at most (\d+) of 500 frames", done.stderr.splitlines()[-1]
+    )
+    assert told is not None, done.stderr
     with (tmp_path / "out" / "tracks.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 500
-    assert 0 < printed_pictures(tmp_path / "a.rrd") < 500
+    assert 0 < printed_pictures(tmp_path / "a.rrd") <= int(told[1])
 
 
 def test_where_a_ball_is_lost_its_curve_has_a_gap(tmp_path: Path) -> None:

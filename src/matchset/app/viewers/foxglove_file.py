@@ -83,6 +83,10 @@ class FoxgloveFile(Closing):
         """Finish the file."""
         self._writer.close()
 
+    def discard(self) -> None:
+        """Delete what was written; what was there before stays."""
+        self._writer.discard()
+
     def _entity(self, seen: ViewedTarget, pose: Pose, stamp: Message) -> Message:
         """SceneEntity of a ball: a sphere, and its numbers."""
         told = {"identity": str(seen.target.identity), "label": seen.target.label}

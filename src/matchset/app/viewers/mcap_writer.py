@@ -54,8 +54,12 @@ class ChannelWriter(Closing):
         self._file = WholeFile(path)
         # Pictures are compressed already.
         self._writer: Any = Writer(cast(IO[bytes], self._file), compression=CompressionType.NONE)
-        self._writer.start(profile=profile, library="matchset")
         self._closed = False
+        try:
+            self._writer.start(profile=profile, library="matchset")
+        except BaseException:
+            self.discard()
+            raise
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
 
@@ -89,6 +93,11 @@ class ChannelWriter(Closing):
                 self._writer.finish()
         finally:
             self._file.close()
+
+    def discard(self) -> None:
+        """Delete what was written; what was there before stays."""
+        self._closed = True
+        self._file.discard()
 
 
 def check_mcap() -> None:

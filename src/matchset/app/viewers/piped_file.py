@@ -36,6 +36,7 @@ class PipedFile(Closing):
     def __init__(self, path: Path) -> None:
         self._path, self.name = path, name_beside(path)
         self._file: WholeFile | None = None
+        self._is_opened = False
         if not OPEN_FILES.exists():
             return
         self._file = WholeFile(path)
@@ -46,8 +47,18 @@ class PipedFile(Closing):
 
     def opened(self) -> None:
         """Note that the library has opened it: the file ends when that closes it."""
-        if self._file is not None:
+        if self._file is not None and not self._is_opened:
             os.close(self._into)
+        self._is_opened = True
+
+    def discard(self) -> None:
+        """Delete what the library has written, which has closed it; what was there before stays."""
+        self.opened()
+        if self._file is None:
+            self.name.unlink(missing_ok=True)
+        else:
+            self._thread.join()
+            self._file.discard()
 
     def close(self) -> None:
         """Finish the file, which the library has closed, and give it its name."""
@@ -57,7 +68,11 @@ class PipedFile(Closing):
             return
         self._thread.join()
         self._file.close()
-        if self._file.error is not None:
+        self.check()
+
+    def check(self) -> None:
+        """Raise the OSError of what could not be written so far, if there is one."""
+        if self._file is not None and self._file.error is not None:
             raise self._file.error
 
     def _copy(self, file: WholeFile) -> None:

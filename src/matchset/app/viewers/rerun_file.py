@@ -39,21 +39,36 @@ class RerunFile(Closing):
 
         self._rerun: Any = rerun
         self._radius = 0.5 * diameter
-        self._file = PipedFile(path)
+        self._there, self._logged, self._plotted = set[str](), set[str](), set[str]()
+        self._planned = self._closed = False
         self._record = rerun.RecordingStream("matchset")
+        self._file = PipedFile(path)
+        try:
+            self._begin(camera)
+        except BaseException:
+            self.discard()
+            raise
+
+    def _begin(self, camera: CameraModel | None) -> None:
+        """Open the file, and log what holds for all frames."""
         self._record.set_log_time_enabled(False)
         self._record.set_log_tick_enabled(False)
         self._record.save(self._file.name)
         self._file.opened()
-        self._there, self._logged, self._plotted = set[str](), set[str](), set[str]()
-        self._planned = self._closed = False
         classes = [(k, "", (red, green, blue)) for k, (blue, green, red) in enumerate(PALETTE)]
-        self._record.log("/", rerun.AnnotationContext(classes), rerun.ViewCoordinates.RDF, static=True)
+        self._record.log("/", self._rerun.AnnotationContext(classes), self._rerun.ViewCoordinates.RDF, static=True)
         if camera is not None:
             self._record.log("camera", self._pinhole(camera), static=True)
 
     def write(self, seen: ViewedFrame) -> None:
-        """Append a frame; of one that could not be decoded the targets only."""
+        """Append a frame; of one that could not be decoded the targets only.
+
+        Raises
+        ------
+        OSError
+            If one of those before it could not be written.
+        """
+        self._file.check()
         clock = "timestamp" if seen.time > EPOCH else "duration"
         self._record.set_time("capture_time", **{clock: seen.time})
         self._record.set_time("frame", sequence=seen.number)
@@ -78,6 +93,12 @@ class RerunFile(Closing):
         self._closed = True
         self._record.disconnect()
         self._file.close()
+
+    def discard(self) -> None:
+        """Delete what was written; what was there before stays."""
+        self._closed = True
+        self._record.disconnect()
+        self._file.discard()
 
     def _target(self, seen: ViewedTarget) -> None:
         """Log a target: outline, place, numbers."""

@@ -49,9 +49,13 @@ class ViewerFile(Protocol):
         """Finish the file."""
         ...
 
+    def discard(self) -> None:
+        """Delete what was written; what was there before stays."""
+        ...
+
 
 class GuardedFile(Closing):
-    """A file that ends, whole, where its disk is full or nearly so; the run goes on.
+    """A file that ends, whole, where its disk is full or nearly so; the run goes on. Without a frame there is none.
 
     Parameters
     ----------
@@ -89,10 +93,12 @@ class GuardedFile(Closing):
         """Finish the file."""
         content = f"{self._written} of {self._offered} frames"
         try:
-            self._file.close()
+            if self._written:
+                self._file.close()
+            else:
+                self._file.discard()
         except OSError as error:
-            if self._error is None:
-                self._error, content = error, f"at most {content}"
+            self._error, content = self._error or error, f"at most {content}"
         if self._error is not None:
             raise UnfinishedFileError(self._error, self._path, content) from self._error
 

@@ -79,14 +79,13 @@ class FileGroup:
                 other.put(place, Lost(f"hidden behind {target.name}, which looks the same", track.time))
         target.put(place, track)
 
-    def twins(self, place: int) -> list[tuple[FileTarget, FileTarget]]:
-        """Return pairs of members that are on one outline in a frame."""
-        found = []
+    def twins(self, place: int) -> tuple[FileTarget, FileTarget] | None:
+        """Return two members that are on one outline in a frame, the elder first; None: there are none."""
         for one, other in itertools.combinations(self.members.values(), 2):
             a, b = one.answer(place), other.answer(place)
             if isinstance(a, Track) and isinstance(b, Track) and on_one(a, b):
-                found.append((one, other))
-        return found
+                return one, other
+        return None
 
     def set_finds(self, finds: bool) -> None:
         """Have all that looks like them followed, too, or no more of them."""
@@ -139,6 +138,14 @@ class FileGroups:
             group.add(target)
             self._groups.append(group)
         return group
+
+    def end_finding(self, number: int) -> bool:
+        """Look for no more like a target that a person drops; returns whether some were looked for, and others stay."""
+        group = self.of(number)
+        if group is None or not group.finds or len(group.members) == 1:
+            return False
+        group.set_finds(False)
+        return True
 
     def forget(self, number: int) -> None:
         """Follow a target no more."""

@@ -16,18 +16,19 @@ from matchset.live.files.messages import Correct
 from matchset.live.files.player import ClickedPictures
 from matchset.live.files.run import RecentCount, TrackingParameters, TrackingRun
 from matchset.live.files.trials import Trial, Trials
+from matchset.live.targets.alike import DROPPED
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.messages import (
+    Begin,
     Diameter,
     Drop,
     FieldOfView,
     FindAll,
     Hold,
-    Marker,
-    Outline,
     Pick,
     Rename,
     Reread,
+    Wish,
 )
 from matchset.live.targets.target import ClickedTarget
 from matchset.live.targets.target_facts import checked_name, free_name
@@ -39,7 +40,7 @@ from matchset.media.exact_reader import ExactReader, InterruptedReadingError
 from matchset.media.frame_list import FrameList
 from matchset.tracking.track import Track
 
-Asked = Pick | Outline | Hold | Correct | Drop | Reread | Rename | FindAll | Diameter | Marker | FieldOfView
+Asked = Wish | Correct
 
 
 class FileTracking(Closing):
@@ -66,8 +67,6 @@ class FileTracking(Closing):
         Cleared while a click waits for its answer: what reads ahead lets it have the processor.
     answered : callable
         Called in the thread when a first click was tried; told whether something was found there.
-    version : int
-        Changes whenever something else is known.
     """
 
     def __init__(
@@ -88,8 +87,7 @@ class FileTracking(Closing):
         self.camera: CameraModel | None = None
         self.size = (0, 0)
         self._changes = self._numbers = 0
-        self._runs = RunQueue(reader)
-        self._groups = FileGroups()
+        self._runs, self._groups = RunQueue(reader), FileGroups()
         self._done = RecentCount(self._parameters.rate_over)
         self._computing = ShownTimes()
         self._wishes: WaitingWishes[Asked] = WaitingWishes(self._parameters.wishes)
@@ -105,9 +103,9 @@ class FileTracking(Closing):
             self.clicks.leave_out(given_up)
         if given_up is wish:
             return
-        if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading
+        if isinstance(wish, Begin | Correct | Drop | Reread):  # who clicks waits for no long reading
             self._urgent.set()
-        if isinstance(wish, Pick | Outline):
+        if isinstance(wish, Begin):
             self.calm.clear()
         self._news.set()
 
@@ -222,28 +220,30 @@ class FileTracking(Closing):
 
     def _grant(self) -> None:
         """Do what was asked for."""
-        if not self._stop.is_set():
-            self._urgent.clear()
         while not self._stop.is_set():
+            self._urgent.clear()
             wish = self._wishes.take()
             if wish is None:
                 return
             try:
                 self._do(wish)
-            except InterruptedReadingError:  # a newer click: this one gives way
-                self._turn_away(wish, NEWER)
+            except InterruptedReadingError:  # something newer goes first; of clicks that one counts alone
+                if isinstance(wish, Begin) and len(self._wishes):
+                    self._turn_away(wish, NEWER)
+                else:
+                    self.ask(wish)
             except ValueError as error:
                 self._note(str(error))
                 self._turn_away(wish, str(error))
             self._changes += 1
 
     def _turn_away(self, wish: Asked, words: str) -> None:
-        if isinstance(wish, Pick | Outline):
+        if isinstance(wish, Begin):
             self.clicks.turn_away(wish, words)
             self._tell(False)
 
     def _do(self, wish: Asked) -> None:
-        if isinstance(wish, Pick | Outline):
+        if isinstance(wish, Begin):
             self._begin(wish)
         elif isinstance(wish, Hold):
             self._shown.place_of(wish.sequence)  # every frame of a video can be read again
@@ -254,6 +254,8 @@ class FileTracking(Closing):
             if isinstance(wish, Correct):
                 self._correct(target, wish)
             elif isinstance(wish, Drop):
+                if self._groups.end_finding(target.number):
+                    self._note(DROPPED.format(target.name))
                 self._forget(target)
             elif isinstance(wish, Diameter):
                 target.locate(self.camera, ball_of(wish))
@@ -287,7 +289,8 @@ class FileTracking(Closing):
 
     def _begin_together(self, run: AlikeRun) -> None:
         """End the runs of single targets that are followed together from here on; two on one outline are one."""
-        for one, other in run.group.twins(run.click):
+        while twins := run.group.twins(run.click):
+            one, other = twins
             self._note(f"{other.name} is {one.name}, which is followed already")
             self._forget(other)
         for each in run.group.members.values():
@@ -327,15 +330,12 @@ class FileTracking(Closing):
             raise ValueError(f"there is no target {number} any more")
         return found
 
-    def _begin(self, wish: Pick | Outline) -> None:
+    def _begin(self, wish: Begin) -> None:
         """Begin a target; those that were tried in vain so far give way to it."""
         for number, trial in list(self._trials.items()):
-            tried = self.targets.get(number)
-            if tried is None or tried.known:
+            if self.targets[number].known:
                 self.clicks.turn_away(trial.begin, NEWER)
-                self._trials.pop(number)
-                if tried is not None:
-                    self._forget(tried)
+                self._forget(self.targets[number])
         if len(self.targets) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         place, since = self._shown.place_of(wish.sequence), time.monotonic()
@@ -343,7 +343,7 @@ class FileTracking(Closing):
         self._numbers += 1
         self._trials[self._numbers] = Trial(wish, since)
 
-    def _follow(self, number: int, click: Pick | Outline, place: int, ball: BallTarget | None) -> None:
+    def _follow(self, number: int, click: Begin, place: int, ball: BallTarget | None) -> None:
         """Follow a target from its first click on, both ways."""
         frame = self._frame(click, place)
         made = ClickedTarget(number, click, frame)
@@ -357,7 +357,7 @@ class FileTracking(Closing):
         if made.note:
             self._note(made.note)
 
-    def _frame(self, click: Pick | Outline | Correct, place: int) -> Frame:
+    def _frame(self, click: Begin | Correct, place: int) -> Frame:
         """Return the frame that was clicked: the one that is shown, else it is read."""
         frame = self._shown.frame_of(click.sequence)
         return self._reader.frame(place) if frame is None else frame

@@ -29,6 +29,9 @@ export function parseDegrees(text) {
   return [degrees, spread];
 }
 
+// A name where there is little room, cut between letters.
+export const shortened = (name) => ([...name].length > 24 ? `${[...name].slice(0, 23).join("")}…` : name);
+
 // Decimal points below each other: those with fewer digits end with spaces as wide as digits.
 export function aligned(words, decimals) {
   const [, found = ""] = words.split(".");

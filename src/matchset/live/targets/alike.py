@@ -41,6 +41,7 @@ class AlikeParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 ALIKE = AlikeParameters()
+DROPPED = "no more like {} are looked for, or it would be found again"
 
 
 class TogetherAnswer(NamedTuple):

@@ -10,7 +10,7 @@ import msgspec
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.live.targets.alike import TogetherAnswer
+from matchset.live.targets.alike import DROPPED, TogetherAnswer
 from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.live.targets.groups import AlikeGroups
 from matchset.live.targets.messages import (
@@ -151,7 +151,9 @@ class FollowedTargets(Closing):
         elif making is not None:
             making.later.append(wish)
         elif isinstance(wish, Drop):
-            self.target(wish.target)
+            target = self.target(wish.target)
+            if self._groups.end_finding(wish.target):
+                self._note(DROPPED.format(target.name))
             self._forget(wish.target)
         elif isinstance(wish, Reread):
             self._reread(wish)
@@ -228,7 +230,7 @@ class FollowedTargets(Closing):
         target = self._targets[self._numbers] = other.alike(self._numbers)
         target.name = free_name(target.name, self._names_without(target))
         if self._room <= 0:
-            self._note(f"{self._parameters.targets} targets are enough: no more are looked for until one is dropped")
+            self._note(f"{self._parameters.targets} targets are enough: no more are looked for until one is gone")
         return target
 
     def _names_without(self, target: ClickedTarget) -> list[str]:
@@ -266,9 +268,10 @@ class FollowedTargets(Closing):
             self._forget(number)
         if len(self._making) >= self._parameters.on_trial:  # clicks that wait give way to newer ones
             cancelled = [made for made in self._making if made.result.cancel()]
+            self._making = deque(made for made in self._making if made not in cancelled)
             for made in cancelled:
                 self.clicks.turn_away(made.begin, NEWER)
-            self._making = deque(made for made in self._making if made not in cancelled)
+                self._do_later(made)
         if self._room <= 0:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1
@@ -287,26 +290,33 @@ class FollowedTargets(Closing):
 
     def _take_made(self) -> None:
         while self._making and self._making[0].result.done():
-            number, begin, frame, made, later = self._making.popleft()
+            made = self._making.popleft()
             try:
-                target = made.result()
-                before = self._targets.get(number)
-                target.locate(self.camera, None if before is None else before.ball)
-                frames = [frame, *self._kept.after(begin.sequence)]
-                catch_up(target, frames)
-                self._groups.leave(number)
-                target.name = before.name if before else free_name(target.name, self._names_without(target))
-                self._targets[number], self._trials[number] = target, _Trial(begin, frame.time, frames[-1].time)
-                if target.note:
-                    self._note(target.note)
+                self._put(made)
             except ValueError as error:
-                self.clicks.refuse(begin, str(error))
-                continue
-            for wish in later:
-                try:
-                    self.do(wish)
-                except ValueError as error:
-                    self._note(str(error))
+                self.clicks.refuse(made.begin, str(error))
+            self._do_later(made)
+
+    def _put(self, made: _Making) -> None:
+        """Follow a target that is made up to the newest picture; ValueError if it could not be made."""
+        number, begin, frame = made.number, made.begin, made.frame
+        target, before = made.result.result(), self._targets.get(number)
+        target.locate(self.camera, None if before is None else before.ball)
+        frames = [frame, *self._kept.after(begin.sequence)]
+        catch_up(target, frames)
+        self._groups.leave(number)
+        target.name = before.name if before else free_name(target.name, self._names_without(target))
+        self._targets[number], self._trials[number] = target, _Trial(begin, frame.time, frames[-1].time)
+        if target.note:
+            self._note(target.note)
+
+    def _do_later(self, made: _Making) -> None:
+        """Do what waited for a target: with what it was before, if it could not be made anew."""
+        for wish in made.later:
+            try:
+                self.do(wish)
+            except ValueError as error:
+                self._note(str(error))
 
     def _judge(self, number: int, frame: Frame, states: dict[int, TargetState]) -> None:
         """End the trial of a target: it is found, it is one that is followed already, or it is nothing."""

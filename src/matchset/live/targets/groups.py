@@ -159,6 +159,14 @@ class AlikeGroups:
             group.finds = on
             self._dissolve(group)
 
+    def end_finding(self, number: int) -> bool:
+        """Look for no more like a target that a person drops; returns whether some were looked for, and others stay."""
+        group = self.of(number)
+        if group is None or not group.finds or len(group.members) == 1:
+            return False
+        group.finds = False
+        return True
+
     def recolor(self, number: int) -> None:
         """Take note that a target has another color, such as that of its marker, too."""
         group = self.of(number)

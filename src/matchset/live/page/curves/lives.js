@@ -1,6 +1,7 @@
 // One line for each target, in its color: where it was first seen, where it was found and lost, and where it ended.
 
 import { colorOf } from "../colors.js";
+import { shortened } from "../units.js";
 import { SECONDS } from "./samples.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -138,7 +139,6 @@ function nameAt(name, begin, middle, width) {
   ];
 }
 
-const shortened = (name) => (name.length > 24 ? `${name.slice(0, 23)}…` : name);
 const crossAt = (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`;
 
 function made(kind, attributes, text = "") {

@@ -1,10 +1,12 @@
 // What is drawn over the picture, as SVG in pixels of the picture: sharp at any zoom.
 
 import { palette } from "../canvas.js";
+import { shortened } from "../units.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const AXES = ["#ff6b6b", "#69db7c", "#74a9ff"]; // x, y, z, as everywhere in matchset
 const NAMES = ["x", "y", "z"];
+const [HIGH, LETTER] = [16, 8.6]; // CSS px, about, of a name
 
 // `width`: of the picture, where it is drawn with its name, since there are several.
 export function drawTarget(target, color, show, chosen, width = 0) {
@@ -41,8 +43,23 @@ function nameAt(outline, target, color, width) {
     x: before ? left + aside : right - aside, y: Math.max(top + 0.12 * (bottom - top), 0.05 * width), "text-anchor": before ? "end" : "start",
     fill: color, stroke: "#000", class: "target-name",
   });
-  name.textContent = target.alternatives?.length ? `${target.name}?` : target.name;
+  name.textContent = shortened(target.name) + (target.alternatives?.length ? "?" : "");
   return name;
+}
+
+// Names that would lie on others are put below them; `pixel`: px of the picture in a CSS px.
+export function spread(names, pixel) {
+  const [high, wide] = [HIGH * pixel, LETTER * pixel];
+  const taken = [];
+  for (const name of names) {
+    const width = wide * name.textContent.length;
+    const left = Number(name.getAttribute("x")) - (name.getAttribute("text-anchor") === "end" ? width : 0);
+    const lies = ([x, y, w]) => left < x + w && x < left + width && Math.abs(top - y) < high;
+    let top = Number(name.getAttribute("y"));
+    for (let other = taken.find(lies); other; other = taken.find(lies)) top = other[1] + 1.05 * high;
+    taken.push([left, top, width]);
+    name.setAttribute("y", top);
+  }
 }
 
 // A trail is a list of [time, x, y]; where it was lost there is a gap.

@@ -2,7 +2,7 @@
 
 import { colorOf } from "../colors.js";
 import { Clicks } from "./clicks.js";
-import { drawCross, drawTarget, drawTrace, drawTrail } from "./drawing.js";
+import { drawCross, drawTarget, drawTrace, drawTrail, spread } from "./drawing.js";
 import { Gestures } from "./gestures.js";
 import { Zoom } from "./zoom.js";
 
@@ -159,6 +159,7 @@ export class PictureView {
     const pixel = this.size[0] / Math.max(this.root.clientWidth, 1) / this.zoom.scale; // picture px in a CSS px
     this.drawing.style.setProperty("--pixel", `${pixel}px`);
     this.clicks.resize(pixel);
+    spread(parts.filter((part) => part.classList.contains("target-name")), pixel);
     if (this.cross) parts.push(...drawCross(this.cross, CROSS * pixel));
     this.drawing.replaceChildren(...parts);
   }

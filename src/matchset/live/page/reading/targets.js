@@ -62,6 +62,8 @@ export class TargetList {
     row.querySelector(".drop").setAttribute("aria-label", `drop ${target.name}`);
     row.querySelector(".rename").setAttribute("aria-label", `rename ${target.name}`);
     all.setAttribute("aria-label", `find all like ${target.name}`);
+    row.querySelector(".diameter")?.setAttribute("aria-label", `diameter of ${target.name}`);
+    row.querySelector(".marker-width")?.setAttribute("aria-label", `width of the marker of ${target.name}`);
   }
 
   makeRow(target) {
@@ -132,7 +134,7 @@ export class TargetList {
   makeDiameter(target) {
     const spread = target.diameter_sigma ? ` ± ${target.diameter_sigma}` : "";
     const value = target.diameter ? `${target.diameter}${spread} m` : "";
-    return lengthForm(`diameter of ${target.name}`, "diameter", value, "28 cm", (meters, sigma) => {
+    return lengthForm("diameter", value, "28 cm", (meters, sigma) => {
       this.send({ type: "diameter", target: target.id, meters, sigma });
     });
   }
@@ -140,7 +142,7 @@ export class TargetList {
   makeMarker(target) {
     const details = element("details", "");
     details.append(element("summary", "", "marker on the ball"));
-    details.append(lengthForm(`width of the marker of ${target.name}`, "marker-width", "6 cm", "6 cm", (meters) => {
+    details.append(lengthForm("marker-width", "6 cm", "6 cm", (meters) => {
       this.askPoint("Click the marker on the ball.", (point) => {
         this.send({ type: "marker", target: target.id, ...point, meters: meters ?? 0.06 });
       });
@@ -150,13 +152,12 @@ export class TargetList {
 }
 
 // A field for a length, in words where it is none. An empty field stands for "not known".
-function lengthForm(label, name, value, example, take, action = "set") {
+function lengthForm(name, value, example, take, action = "set") {
   const form = element("form", "length");
   const field = element("label", "", name === "diameter" ? "diameter " : "width ");
   const input = element("input", name);
   const error = element("output", "");
   Object.assign(input, { size: 8, placeholder: example, autocomplete: "off", value });
-  input.setAttribute("aria-label", label);
   field.append(input);
   form.append(field, element("button", "", action), error);
   form.addEventListener("submit", (event) => {

@@ -17,15 +17,20 @@ class Stretch(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    number : int
-        From 0.
+    number, last : int
+        Which one, from 0; of several that are followed as one the first and the last.
     begin, end : float
         From when to when it is read, s since the first frame; those beside it overlap it.
     """
 
     number: int
+    last: int
     begin: float
     end: float
+
+    def folder_in(self, folder: str) -> str:
+        """Return the folder of its results, by that of the whole video's."""
+        return f"{folder}.{self.number:04d}" + (f"-{self.last:04d}" if self.last > self.number else "")
 
 
 class Job(msgspec.Struct, frozen=True, kw_only=True):
@@ -53,8 +58,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         Of the video as the batch sees it, bytes: where a worker sees none it does not share that disk.
     stretch : Stretch or None
         Which part of a long video.
-    parts : int
-        How many stretches are to be joined; 0: it is done in one.
+    parts : tuple of Stretch
+        The stretches that are to be joined; none: it is done in one.
     seconds : float
         What its stretches have taken, s.
     """
@@ -69,7 +74,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     auto: bool = False
     size: int = 0
     stretch: Stretch | None = None
-    parts: int = 0
+    parts: tuple[Stretch, ...] = ()
     seconds: float = 0.0
 
 

@@ -20,7 +20,7 @@ from matchset.batch.jobs.video_options import Options
 from matchset.batch.jobs.videos import plain_name, plain_words
 from matchset.batch.results.store import RUN, Store, store_at
 from matchset.batch.split.joining import MisfitError
-from matchset.batch.split.stretch_work import join_stretches, stretch_folder, stretch_options
+from matchset.batch.split.stretch_work import Joined, join_stretches, stretch_options
 from matchset.image.errors import LinkError
 
 MARK, LOG = "batch-mark", "log.txt"  # format: files in the folder of all results, and in that of a video

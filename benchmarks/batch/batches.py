@@ -15,7 +15,7 @@ from matchset.batch.clicking.clicker import NoClicker
 from matchset.batch.jobs.job import Job, VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.videos import VideoList
-from matchset.batch.jobs.work import MARK, run_command
+from matchset.batch.jobs.work import run_command
 from matchset.batch.loop import Batch
 from matchset.batch.options import BatchOptions, WorkerOptions
 from matchset.batch.plan import Plan
@@ -83,10 +83,11 @@ class Work:
         tasks = [outcome.seconds for outcome in outcomes]
         return Ran(seconds, own, tasks, len({outcome.worker for outcome in outcomes}))
 
-    def jobs(self) -> list[Job]:
-        """Return the jobs of all videos, none of which is done."""
+    @contextlib.contextmanager
+    def jobs(self) -> Iterator[list[Job]]:
+        """Give the jobs of all videos, none of which is done; in the block they can be."""
         with self._plan() as (plan, _):
-            return [job for job in plan.work() if isinstance(job, Job)]
+            yield [job for job in plan.work() if isinstance(job, Job)]
 
     @contextlib.contextmanager
     def _plan(self) -> Iterator[tuple[Plan, Manifest]]:
@@ -96,8 +97,8 @@ class Work:
         with Manifest(store, videos.common) as manifest:
             choice = TargetChoice(self._options)
             plan = Plan(videos, choice, store, manifest, str(self.out), self._options)
-            store.write(MARK, plan.mark.encode())
-            yield plan, manifest
+            with store.begun(plan.mark):
+                yield plan, manifest
 
 
 class _Noted:

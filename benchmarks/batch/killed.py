@@ -219,11 +219,11 @@ def _changed(before: dict[str, tuple[int, int]], after: dict[str, tuple[int, int
 
 def _same(batch: _Batch, folder: Path) -> int:
     """Count the tables that are those of `track`; copies of a video have one."""
-    jobs = Work(msgspec.structs.replace(batch.videos, paths=batch.videos.paths[:TINY]), folder / "none").jobs()
-    expected = {}
-    for job in jobs:
-        track_alone(job, folder / "track")
-        expected[Path(job.video).name.partition("-")[0]] = (folder / "track" / TABLE).read_bytes()
+    few, expected = msgspec.structs.replace(batch.videos, paths=batch.videos.paths[:TINY]), {}
+    with Work(few, folder / "none").jobs() as jobs:
+        for job in jobs:
+            track_alone(job, folder / "track")
+            expected[Path(job.video).name.partition("-")[0]] = (folder / "track" / TABLE).read_bytes()
     paths = list(batch.out.glob(f"*/{TABLE}"))
     return sum(path.read_bytes() == expected[path.parent.name.partition("-")[0]] for path in paths)
 

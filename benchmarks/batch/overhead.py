@@ -88,9 +88,8 @@ def measure_overhead(videos: Videos, out: Path, rounds: int) -> Overhead:
     """
     work, plain = Work(videos, out / "batch"), out / "plain"
     pairs = list[Pair]()
-    jobs = work.jobs()
-    _pair(jobs[0], plain, True)
-    with Others() as others:
+    with work.jobs() as jobs, Others() as others:
+        _pair(jobs[0], plain, True)
         for number in range(rounds):
             pairs += [_pair(job, plain, bool((number + turn) % 2)) for turn, job in enumerate(jobs)]
     return Overhead(pairs, others.share, round(others.seconds, 1))

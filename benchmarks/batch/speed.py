@@ -129,7 +129,8 @@ def measure_speed(videos: Videos, out: Path, rounds: int) -> Speed:
 def _everybody(videos: Videos, out: Path) -> Iterator[dict[str, Callable[[], float | Ran]]]:
     """Start all processes, and let each of them follow a video before it counts."""
     work, few = Work(videos, out / "batch"), Work(msgspec.structs.replace(videos, paths=videos.paths[:4]), out / "few")
-    plain = _Plain(Work(videos, out / "plain"), work.jobs())
+    with work.jobs() as jobs:
+        plain = _Plain(Work(videos, out / "plain"), jobs)
     with contextlib.closing(plain), Processes(1) as one, Processes(2) as two:
         for pool in (one, two):
             few.run(pool)

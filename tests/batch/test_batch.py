@@ -122,6 +122,21 @@ def test_a_copied_video_is_known_by_its_content(
     assert Path("results/day0/ball0.mp4/run.json").stat().st_mtime_ns == before
 
 
+def test_a_table_that_was_changed_is_written_again(
+    matchset: Matchset, pools: list[HerePool], clips: Path, color: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    table, other = Path("results/day0/ball0.mp4/tracks.csv"), Path("results/day0/ball2.mp4/tracks.csv")
+    before = table.read_bytes()
+    table.write_bytes(other.read_bytes())  # such as one by other settings, of a batch that was killed behind it
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 1
+    assert "1 videos have no table, or another one than was noted: the same command goes on" in capsys.readouterr().err
+    assert len(rows(Path("results/videos.csv"))) == 3
+    assert matchset("batch", clips, "--out", "results", "--color", color) == 0
+    assert [Path(job.video).name for job in pools[2].done] == ["ball0.mp4"]
+    assert table.read_bytes() == before
+
+
 def test_manifest_cut_in_half_goes_on(matchset: Matchset, pools: list[HerePool], clips: Path, color: Path) -> None:
     assert matchset("batch", clips, "--out", "results", "--color", color) == 0
     manifest = Path("results/manifest.jsonl")

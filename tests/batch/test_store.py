@@ -1,5 +1,6 @@
 """Results in a folder and at a URL: the same, whatever was there before."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -11,7 +12,7 @@ from matchset.batch import run
 from matchset.batch.jobs.identity import code_digest
 from matchset.batch.jobs.job import Job
 from matchset.batch.jobs.video_options import track_options
-from matchset.batch.jobs.work import MARK, UnfitWorkerError, do_job
+from matchset.batch.jobs.work import UnfitWorkerError, do_job
 from matchset.batch.options import BatchOptions
 from matchset.batch.results import lock
 from matchset.batch.results.lock import Owner, RemoteLock
@@ -27,7 +28,7 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Store:
 
 
 def keep(store: Store, **files: str) -> None:
-    with store.unfinished() as folder:
+    with store.begun("mark"), store.unfinished() as folder:
         for name, text in files.items():
             (folder / name.replace("_", ".")).write_text(text)
         store.keep(folder, "a/b")
@@ -39,9 +40,10 @@ def test_a_folder_takes_the_place_of_the_one_before(store: Store) -> None:
     assert store.names("a/b") == ["run.json", "tracks.csv"]
     assert store.read("a/b/tracks.csv") == b"4"
     assert store.read("a/b/why.png") is None
-    store.remove("a/b")
-    assert store.names("a/b") == []
-    store.remove("a/b")
+    with store.begun("another"):
+        store.remove("a/b")
+        assert store.names("a/b") == []
+        store.remove("a/b")
 
 
 def test_files(store: Store, tmp_path: Path) -> None:
@@ -92,11 +94,15 @@ def test_unknown_kind_of_url() -> None:
 
 
 @pytest.fixture
-def job(tmp_path: Path) -> Job:
+def job(tmp_path: Path) -> Iterator[Job]:
     clips = write_balls(tmp_path / "clips", 1)
     out = tmp_path / "out"
-    FolderStore(out).write(MARK, b"mark")
     batch = BatchOptions(videos=[], out=str(out))
+    with FolderStore(out).begun("mark"):
+        yield _job(clips, out, batch)
+
+
+def _job(clips: Path, out: Path, batch: BatchOptions) -> Job:
     return Job(
         video=str(clips / "day0/ball0.mp4"),
         folder="a",

@@ -6,7 +6,8 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextvars import ContextVar
 from types import FrameType, TracebackType
 from typing import Self
 
@@ -129,11 +130,30 @@ def _unfinished_before(error: BaseException) -> list[OSError]:
     return list(found.values())[::-1]
 
 
+_ASKED: ContextVar[Callable[[], bool] | None] = ContextVar("asked", default=None)
+
+
+@contextlib.contextmanager
+def stopped_when(asked: Callable[[], bool]) -> Iterator[None]:
+    """Let every `StopRequest` of this block be set as soon as a function returns True, as SIGTERM does it.
+
+    Parameters
+    ----------
+    asked : callable
+        Asked before each frame.
+    """
+    token = _ASKED.set(asked)
+    try:
+        yield
+    finally:
+        _ASKED.reset(token)
+
+
 class StopRequest:
     """Within its `with` block Ctrl-C, SIGTERM and SIGHUP only set a flag, so that a loop finishes its frame first.
 
-    It is true once a signal has come. A second Ctrl-C interrupts at once. A SIGHUP that is ignored, as `nohup` lets it,
-    stays so.
+    It is true once a signal has come, or `stopped_when` says so. A second Ctrl-C interrupts at once. A SIGHUP that is
+    ignored, as `nohup` lets it, stays so.
 
     Attributes
     ----------
@@ -142,7 +162,7 @@ class StopRequest:
     """
 
     def __init__(self) -> None:
-        self.code = 0
+        self.code, self._asked = 0, _ASKED.get()
         self._previous_handlers: dict[signal.Signals, object] = {}
 
     def _set_code(self, number: int, _frame: FrameType | None) -> None:
@@ -150,6 +170,8 @@ class StopRequest:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def __bool__(self) -> bool:
+        if not self.code and self._asked is not None and self._asked():
+            self.code = 128 + signal.SIGTERM
         return self.code != 0
 
     def __enter__(self) -> Self:

@@ -11,7 +11,6 @@ from matchset.batch.clicking.clicker import Clicker, NoClicker
 from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.target import TargetChoice
 from matchset.batch.jobs.videos import VideoList, folder_of
-from matchset.batch.jobs.work import MARK
 from matchset.batch.loop import Batch
 from matchset.batch.options import BatchOptions
 from matchset.batch.plan import Plan
@@ -19,11 +18,12 @@ from matchset.batch.progress import BatchCounts, BatchDisplay
 from matchset.batch.results.lock import lock_of
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.report import write_report
-from matchset.batch.results.store import FolderStore, Store, store_at
+from matchset.batch.results.store import FolderStore, Store, SupersededError, store_at
 from matchset.batch.split.parts import check_split
 from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
 from matchset.batch.workers.processes import Processes
+from matchset.image.errors import LinkError
 from matchset.numeric.imports import advice
 
 CLICKS = "clicks.csv"  # format: in the folder of all results, the clicks of the page
@@ -47,15 +47,19 @@ def run_batch(options: BatchOptions) -> int:
     choice = chosen_with(options, store)
     with lock_of(store, out), Manifest(store, videos.common) as manifest, StopRequest() as stop:
         plan = Plan(videos, choice, store, manifest, out, options)
-        store.clear()
-        store.write(MARK, plan.mark.encode())
         counts = BatchCounts(videos.count)
-        _work(options, plan, manifest, counts, stop)
-        print(counts.words)
-        if stop:
-            print_note("stopped: the same command goes on")
-            return stop.code
-        total = write_report(store, manifest, plan)
+        with store.begun(plan.mark):
+            try:
+                _work(options, plan, manifest, counts, stop)
+            except LinkError:
+                if store.is_current():
+                    raise
+                raise SupersededError(out) from None
+            print(counts.words)
+            if stop:
+                print_note("stopped: the same command goes on")
+                return stop.code
+            total = write_report(store, manifest, plan)
     return FOUND if total.good else NOT_FOUND
 
 

@@ -1,8 +1,10 @@
-"""The table of a video (`kept_table`), how many frames it has, and in how many something was found (`counts_in`)."""
+"""The table of a video (`kept_table`, `noted_table`), its frames, and those with something found (`counts_in`)."""
 
 import csv
+import zlib
 from pathlib import Path
 
+from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.results.store import Store
 
 TABLES = "tracks.csv", "poses.csv"
@@ -12,6 +14,12 @@ def kept_table(store: Store, folder: str) -> tuple[str, bytes] | None:
     """Return name and content of the table in the folder of a video's results; None if there is none."""
     tables = ((name, store.read(f"{folder}/{name}")) for name in TABLES)
     return next(((name, data) for name, data in tables if data is not None), None)
+
+
+def noted_table(store: Store, outcome: VideoOutcome) -> bytes | None:
+    """Return the table that was noted; None if there is none, or another one."""
+    _, data = kept_table(store, outcome.folder) or ("", b"")
+    return data if outcome.frames and outcome.table == f"{zlib.crc32(data):08x}" else None
 
 
 def table_in(folder: Path) -> Path | None:

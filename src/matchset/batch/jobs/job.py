@@ -98,6 +98,8 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
         Of the video, bytes and ns.
     content : str
         Its check sum (CRC-32).
+    table : str
+        Check sum of its table (CRC-32): one that has another is not what was noted.
     click : str
         Where it was clicked by `--auto`, X,Y@FRAME.
     """
@@ -114,6 +116,7 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
     size: int = 0
     modified: int = 0
     content: str = ""
+    table: str = ""
     click: str = ""
 
     @property

@@ -8,22 +8,23 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.exit_codes import FOUND, NOT_FOUND, print_note
+from matchset.app.exit_codes import FOUND, NOT_FOUND, print_note, stopped_when
 from matchset.app.locate.command import locate
 from matchset.app.locate.options import LocateOptions
 from matchset.app.track.command import track
 from matchset.batch.jobs.choice import Chosen, chosen_for, doubt_afterwards, write_frame
-from matchset.batch.jobs.counts import counts_in
+from matchset.batch.jobs.counts import counts_in, noted_table, table_in
 from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
 from matchset.batch.jobs.job import DONE, Job, State, VideoOutcome
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.jobs.videos import plain_name, plain_words
-from matchset.batch.results.store import RUN, Store, store_at
+from matchset.batch.jobs.watch import Watch
+from matchset.batch.results.store import RUN, Store, SupersededError, store_at
 from matchset.batch.split.joining import MisfitError
 from matchset.batch.split.stretch_work import Joined, join_stretches, stretch_options
 from matchset.image.errors import LinkError
 
-MARK, LOG = "batch-mark", "log.txt"  # format: files in the folder of all results, and in that of a video
+LOG = "log.txt"  # format: in the folder of a video's results
 
 
 class UnfitWorkerError(LinkError):
@@ -62,8 +63,10 @@ def do_job(job: Job) -> VideoOutcome:
         If this worker cannot do it.
     FullDiskError
         If the results do not fit on the disk.
+    SupersededError
+        If another batch has begun to write there since; nothing is kept then.
     """
-    store = store_at(job.out)
+    store = store_at(job.out, job.mark)
     _check_worker(job, store)
     begin = time.monotonic()
     size, modified = stat_of(job.video)
@@ -78,12 +81,14 @@ def do_job(job: Job) -> VideoOutcome:
         return msgspec.structs.replace(known, size=size, modified=modified, video=plain_name(job.video))
     try:
         with store.unfinished() as folder:
-            outcome = _run(job, folder, store)
+            with stopped_when(Watch(store)):
+                outcome = _run(job, folder, store)
+            if not store.is_current():
+                raise SupersededError(job.out)
             seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
             if outcome.state != "stopped":
                 _name_results(folder / LOG, folder, job.folder)
-                _check_worker(job, store)  # a batch that was killed has another mark than the one that goes on
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
                 store.keep(folder, job.folder)
                 for number in range(job.parts):
@@ -91,12 +96,14 @@ def do_job(job: Job) -> VideoOutcome:
     except OSError as error:
         if is_full(error):
             raise FullDiskError(errno.ENOSPC, f"no room for the results of {job.video}", job.out) from None
+        if not store.is_current():  # so its folder is gone
+            raise SupersededError(job.out) from None
         raise
     return outcome
 
 
 def kept_outcome(store: Store, job: Job) -> VideoOutcome | None:
-    """Return what the folder of a video's results says became of it with these settings; None if nothing."""
+    """Return what the results of a video say became of it with these settings; None if nothing, or if not whole."""
     text = store.read(f"{job.folder}/{RUN}")
     if text is None:
         return None
@@ -104,7 +111,9 @@ def kept_outcome(store: Store, job: Job) -> VideoOutcome | None:
         outcome = msgspec.json.decode(text, type=VideoOutcome)
     except msgspec.MsgspecError:
         return None
-    return outcome if outcome.settings == job.settings else None
+    if outcome.settings != job.settings or (outcome.frames and noted_table(store, outcome) is None):
+        return None
+    return outcome
 
 
 def is_full(error: BaseException | None) -> bool:
@@ -120,7 +129,7 @@ def _check_worker(job: Job, store: Store) -> None:
     worker = worker_name()
     if job.code and job.code != code_digest():
         raise UnfitWorkerError(worker, f"its matchset is another one: {code_digest()}, here {job.code}")
-    if job.mark and store.read(MARK) != job.mark.encode():
+    if not store.is_current():
         raise UnfitWorkerError(worker, f"it does not see {job.out} as it is here: share that folder")
     if job.size and stat_of(job.video) == (0, 0):
         raise UnfitWorkerError(worker, f"it does not see {job.video}: share that folder")
@@ -184,7 +193,13 @@ def _counted(job: Job, folder: Path, code: int, chosen: Chosen) -> VideoOutcome:
     if doubt:
         write_frame(job, chosen.click, folder)
         state, chosen = "doubtful", msgspec.structs.replace(chosen, words=doubt)
-    return msgspec.structs.replace(_outcome(job, state, chosen.words, click=chosen.click), frames=frames, found=found)
+    table = table_in(folder)
+    return msgspec.structs.replace(
+        _outcome(job, state, chosen.words, click=chosen.click),
+        frames=frames,
+        found=found,
+        table="" if table is None else content_digest(str(table)),
+    )
 
 
 def _outcome(

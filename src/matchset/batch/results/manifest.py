@@ -136,7 +136,10 @@ class Manifest(Closing):
             self._file = None
 
     def _note(self, outcome: VideoOutcome) -> None:
-        self._ended[hash(outcome.folder)] = key_of(outcome), outcome.state in DONE
+        if outcome.state == "stopped":  # what was noted of it does not hold any more
+            self._ended.pop(hash(outcome.folder), None)
+        else:
+            self._ended[hash(outcome.folder)] = key_of(outcome), outcome.state in DONE
 
     def _write(self, line: bytes) -> None:
         if self._file is not None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import msgspec
 
 from matchset.app.exit_codes import print_note
-from matchset.batch.jobs.counts import kept_table
+from matchset.batch.jobs.counts import noted_table
 from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.jobs.videos import folder_of
 from matchset.batch.plan import Plan
@@ -97,10 +97,19 @@ def write_report(store: Store, manifest: Manifest, plan: Plan) -> Totals:
             table = csv.writer(text, lineterminator="\n")
             table.writerow(COLUMNS)
             for outcome in _in_order(manifest, plan, totals):
+                found = noted_table(store, outcome)
+                if outcome.frames and found is None:
+                    manifest.append(msgspec.structs.replace(outcome, state="stopped", reason="its table was changed"))
+                    totals.missing += 1
+                    continue
                 totals.add(outcome)
                 table.writerow(_cells(outcome))
-                if outcome.frames and (found := kept_table(store, outcome.folder)) is not None:
-                    rows.append(outcome.folder, found[1])
+                if found is not None:
+                    rows.append(outcome.folder, found)
+        if totals.missing:
+            print_note(
+                f"{totals.missing} videos have no table, or another one than was noted: the same command goes on"
+            )
         write_page(folder, store, totals)
         for path in sorted(folder.iterdir()):
             store.put(path, path.name)
@@ -112,12 +121,10 @@ def _in_order(manifest: Manifest, plan: Plan, totals: Totals) -> Iterator[VideoO
     with manifest.by_folder() as outcomes:
         for video in plan.videos:
             outcome = outcomes.last(folder_of(video, manifest.root))
-            if outcome is None:
+            if outcome is None or outcome.state == "stopped":
                 totals.missing += 1
             else:
                 yield outcome
-    if totals.missing:
-        print_note(f"{totals.missing} videos are not done yet: the same command goes on")
 
 
 def _cells(outcome: VideoOutcome) -> list[object]:

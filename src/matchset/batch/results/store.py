@@ -1,6 +1,7 @@
 """Where results are kept: a folder, or what a URL of fsspec names, S3 and others (`store_at`)."""
 
 import contextlib
+import errno
 import os
 import shutil
 import tempfile
@@ -13,21 +14,54 @@ from matchset.image.files.whole_file import write_whole
 
 RUN = "run.json"
 UNFINISHED = ".unfinished"
+MARK = "batch-mark"  # format: file at a URL, which says whose workers may write
+TAKEN = errno.ENOTEMPTY, errno.EEXIST  # format: a folder has that name
+
+
+class SupersededError(ValueError):
+    """Another batch has begun to write to the same place, or this one has ended.
+
+    Parameters
+    ----------
+    out : str
+        The place.
+    """
+
+    def __init__(self, out: str) -> None:
+        super().__init__(f"another batch writes into {out} now")
+        self.out = out
+
+    def __reduce__(self) -> tuple[type["SupersededError"], tuple[str]]:
+        return SupersededError, (self.out,)
 
 
 class Store(Protocol):
-    """A place for results. Names have slashes and begin at it."""
+    """A place for results. Names have slashes and begin at it.
 
-    def clear(self) -> None:
-        """Remove what a batch that was killed was writing."""
+    What workers write for a batch they write under its mark. Once the next batch has begun, nothing is kept any more
+    for the one before, whichever of its workers are still at it.
+    """
+
+    def begun(self, mark: str) -> contextlib.AbstractContextManager[None]:
+        """Let workers write for the batch of this mark from now on, until the block ends, and for no other."""
+        ...
+
+    def is_current(self) -> bool:
+        """Whether the batch of this store's mark is the one that may write."""
         ...
 
     def unfinished(self) -> contextlib.AbstractContextManager[Path]:
-        """Make an empty folder of this computer for what is being written; it is gone afterwards."""
+        """Make an empty folder of this computer for what is being written, for it alone; it is gone afterwards."""
         ...
 
     def keep(self, folder: Path, name: str) -> None:
-        """Keep all files of a folder under a name, in place of what was there; `run.json` comes last."""
+        """Keep all files of a folder under a name, in place of what was there; `run.json` comes last.
+
+        Raises
+        ------
+        SupersededError, OSError
+            If the batch is not the current one any more; nothing is changed then.
+        """
         ...
 
     def read(self, name: str) -> bytes | None:
@@ -54,23 +88,59 @@ class Store(Protocol):
 class FolderStore:
     """Results in a folder of this computer, or of a disk that it shares.
 
+    Whatever a worker writes lies in a folder of its batch, and gets its name from there, at once. The next batch takes
+    that folder away before it does anything else: nothing can get a name from there any more. A client of NFS that
+    answers from memory changes nothing about that: its server knows no folder that was removed.
+
     Parameters
     ----------
     path : Path
+    mark : str
+        Of the batch; empty for one that only reads, or has not begun.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, mark: str = "") -> None:
+        self.path, self._mark = path, mark
 
-    def clear(self) -> None:
+    @contextlib.contextmanager
+    def begun(self, mark: str) -> Iterator[None]:
         """See `Store`."""
-        shutil.rmtree(self.path / UNFINISHED, ignore_errors=True)
+        self._end_others()
+        self._mark = mark
+        self._own.mkdir(parents=True)
+        try:
+            yield
+        finally:
+            self._end(self._own)
+
+    def _end_others(self) -> None:
+        try:
+            for each in list((self.path / UNFINISHED).iterdir()):
+                self._end(each)
+        except FileNotFoundError:  # it is the first batch, or the one before has ended meanwhile
+            pass
+        except OSError as error:
+            raise ValueError(f"cannot end the batch before in {self.path}: {error.strerror}") from None
+
+    def _end(self, own: Path) -> None:
+        gone = own.with_name(f"gone-{uuid.uuid4().hex}")
+        with contextlib.suppress(FileNotFoundError):
+            own.rename(gone)  # from here on whoever writes there finds nothing
+        shutil.rmtree(gone, ignore_errors=True)
+
+    def is_current(self) -> bool:
+        """See `Store`."""
+        return self._own.is_dir()
+
+    @property
+    def _own(self) -> Path:
+        return self.path / UNFINISHED / (self._mark or "none")
 
     @contextlib.contextmanager
     def unfinished(self) -> Iterator[Path]:
         """See `Store`; on the same disk, so that it can be given its name at once."""
-        folder = self.path / UNFINISHED / uuid.uuid4().hex
-        folder.mkdir(parents=True)
+        folder = self._own / uuid.uuid4().hex
+        folder.mkdir()
         try:
             yield folder
         finally:
@@ -80,12 +150,18 @@ class FolderStore:
         """See `Store`."""
         place = self.path / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        if place.exists():
-            if not (place / RUN).is_file():  # whatever that is, it is not ours to replace
-                raise ValueError(f"{place} is not of a batch: choose another --out")
-            place.replace(folder.with_name(folder.name + "-old"))
-        folder.replace(place)
-        shutil.rmtree(folder.with_name(folder.name + "-old"), ignore_errors=True)
+        while True:
+            if os.path.lexists(place):
+                if _is_foreign(place):
+                    raise ValueError(f"{place} is not of a batch: choose another --out")
+                self.remove(name)
+            try:
+                folder.rename(place)
+            except OSError as error:  # another worker that was given the same video has kept its results just now
+                if error.errno not in TAKEN or not folder.is_dir():
+                    raise
+            else:
+                return
 
     def read(self, name: str) -> bytes | None:
         """See `Store`."""
@@ -105,8 +181,11 @@ class FolderStore:
         path.replace(self.path / name)
 
     def remove(self, folder: str) -> None:
-        """See `Store`."""
-        shutil.rmtree(self.path / folder, ignore_errors=True)
+        """See `Store`; from its place at once, and never for a batch that has ended."""
+        aside = self._own / f"{uuid.uuid4().hex}-old"
+        with contextlib.suppress(FileNotFoundError):
+            (self.path / folder).rename(aside)
+        shutil.rmtree(aside, ignore_errors=True)
 
     def names(self, folder: str) -> list[str]:
         """See `Store`."""
@@ -116,12 +195,22 @@ class FolderStore:
             return []
 
 
+def _is_foreign(place: Path) -> bool:
+    """Whether something is not of a batch, so not ours to replace; looked at twice: a worker may just replace it."""
+    return all(os.path.lexists(place) and not (place / RUN).is_file() for _ in range(2))
+
+
 class RemoteStore:
     """Results at a URL that fsspec knows, such as s3://bucket/results.
+
+    There nothing gets its name at once. So a worker looks before each file whether its batch is the current one, and
+    what was written last, `run.json`, says that the others are whole, and which check sum the table has.
 
     Parameters
     ----------
     url : str
+    mark : str
+        As of `FolderStore`.
 
     Raises
     ------
@@ -129,7 +218,8 @@ class RemoteStore:
         If fsspec, or what it needs for this kind of URL, is not installed.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, mark: str = "") -> None:
+        self._url, self._mark = url, mark
         try:
             import fsspec
         except ImportError:
@@ -140,8 +230,20 @@ class RemoteStore:
         except (ImportError, ValueError) as error:
             raise ValueError(f"{url}: {error}") from None
 
-    def clear(self) -> None:
-        """See `Store`; it lies in a folder of that computer, which is gone with its time."""
+    @contextlib.contextmanager
+    def begun(self, mark: str) -> Iterator[None]:
+        """See `Store`."""
+        self._mark = mark
+        self.write(MARK, mark.encode())
+        try:
+            yield
+        finally:
+            if self.is_current():
+                self._files.rm_file(self._at(MARK))
+
+    def is_current(self) -> bool:
+        """See `Store`."""
+        return self.read(MARK) == self._mark.encode()
 
     @contextlib.contextmanager
     def unfinished(self) -> Iterator[Path]:
@@ -154,13 +256,18 @@ class RemoteStore:
     def keep(self, folder: Path, name: str) -> None:
         """See `Store`."""
         paths = sorted(folder.iterdir(), key=lambda path: (path.name == RUN, path.name))
-        old = set(self.names(name)) - {path.name for path in paths}
-        if RUN in self.names(name):  # what is being replaced is not finished any more
-            self._files.rm_file(self._at(f"{name}/{RUN}"))
-        for each in old - {RUN}:
-            self._files.rm_file(self._at(f"{name}/{each}"))
+        old = set(self.names(name))
+        for each in sorted(old - {path.name for path in paths} | old & {RUN}, key=lambda each: each != RUN):
+            self._check()  # what is being replaced is not finished any more, so `run.json` goes first
+            with contextlib.suppress(FileNotFoundError):  # another worker that was given the same video
+                self._files.rm_file(self._at(f"{name}/{each}"))
         for path in paths:
+            self._check()
             self.write(f"{name}/{path.name}", path.read_bytes())
+
+    def _check(self) -> None:
+        if not self.is_current():
+            raise SupersededError(self._url)
 
     def read(self, name: str) -> bytes | None:
         """See `Store`."""
@@ -182,6 +289,7 @@ class RemoteStore:
 
     def remove(self, folder: str) -> None:
         """See `Store`."""
+        self._check()
         with contextlib.suppress(FileNotFoundError):
             self._files.rm(self._at(folder), recursive=True)
 
@@ -197,6 +305,6 @@ class RemoteStore:
         return f"{self._root}/{name}"
 
 
-def store_at(out: str) -> Store:
-    """Return the store that `--out` names."""
-    return RemoteStore(out) if "://" in out else FolderStore(Path(os.path.normpath(Path(out).absolute())))
+def store_at(out: str, mark: str = "") -> Store:
+    """Return the store that `--out` names, for the batch of a mark."""
+    return RemoteStore(out, mark) if "://" in out else FolderStore(Path(os.path.normpath(Path(out).absolute())), mark)

@@ -17,20 +17,19 @@ class Stretch(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    number, last : int
-        Which one, from 0; of several that are followed as one the first and the last.
+    number : int
+        From 0.
     begin, end : float
         From when to when it is read, s since the first frame; those beside it overlap it.
     """
 
     number: int
-    last: int
     begin: float
     end: float
 
     def folder_in(self, folder: str) -> str:
         """Return the folder of its results, by that of the whole video's."""
-        return f"{folder}.{self.number:04d}" + (f"-{self.last:04d}" if self.last > self.number else "")
+        return f"{folder}.{self.number:04d}"
 
 
 class Job(msgspec.Struct, frozen=True, kw_only=True):

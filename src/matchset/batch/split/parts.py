@@ -13,9 +13,9 @@ class SplitParameters(msgspec.Struct, frozen=True):
     Parameters
     ----------
     overlap : float
-        Time that a stretch has in common with the one before, s. More: rows are oftener the same at its end, and more is
-        done twice. A color forgets what it was taught within 20 s where the ball is seen, and the rows of both must be
-        the same for some seconds after that.
+        Time that a stretch has in common with the one before, s. More: rows are the same at its end more often, and
+        more is done twice. A color forgets within 20 s while the ball is seen, and then the rows must be the same for
+        some seconds.
     shortest : float
         A video is cut if it is longer than this share of two stretches. Less: short stretches at the end.
     """
@@ -80,7 +80,7 @@ class Parts:
     def _stretch(self, number: int, count: int, duration: float) -> Stretch:
         begin = max(duration * number / count - self._parameters.overlap, 0.0) if number else 0.0
         end = duration * (number + 1) / count if number < count - 1 else float("inf")
-        return Stretch(number, number, begin, end)
+        return Stretch(number, begin, end)
 
     def ended(self, job: Job, outcome: VideoOutcome) -> Job | VideoOutcome | None:
         """Note that a stretch has ended; when none is missing, return the job that joins all, or what went wrong."""

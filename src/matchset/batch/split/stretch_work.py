@@ -1,13 +1,15 @@
 """What a worker does with a stretch of a long video, and with all its stretches at the end."""
 
-from collections.abc import Callable, Iterator, Sequence
+import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
 
+from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.target.target_options import target_for
-from matchset.batch.jobs.counts import TABLES, kept_table
+from matchset.batch.jobs.counts import TABLES, kept_table, table_in
 from matchset.batch.jobs.job import Job, Stretch
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.results.store import Store
@@ -16,6 +18,7 @@ from matchset.batch.split.opening import MARKS, StretchOpening, read_marks
 from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 
+Follow = Callable[[Stretch, Path], int]
 COLOR = "color.npz"  # format: beside the table of a stretch, what was clicked
 
 
@@ -45,22 +48,8 @@ def stretch_options(job: Job, options: Options, folder: Path) -> Options:
     return msgspec.structs.replace(changed, target=colored, silence=opening)
 
 
-class Joined(msgspec.Struct, frozen=True):
-    """What became of the stretches of a video.
-
-    Parameters
-    ----------
-    words : str
-    stretches : tuple of Stretch
-        Those that are kept in folders of their own.
-    """
-
-    words: str
-    stretches: tuple[Stretch, ...]
-
-
-def join_stretches(job: Job, store: Store, folder: Path, follow: Callable[[Job], None]) -> Joined:
-    """Write one table of all stretches; those beside a cut where their rows differ are followed again, as one.
+def join_stretches(job: Job, store: Store, folder: Path, follow: Follow) -> tuple[int, str]:
+    """Write one table of all stretches; those beside a cut at which their rows differ are followed again, as one.
 
     Parameters
     ----------
@@ -69,46 +58,60 @@ def join_stretches(job: Job, store: Store, folder: Path, follow: Callable[[Job],
     folder : Path
         Where the table is written.
     follow : callable
-        Follows a stretch, and keeps what that gives.
+        Follows a stretch into a folder; returns the exit code of the command.
+
+    Returns
+    -------
+    int
+        An exit code: of `follow` where that was stopped.
+    str
+        What became of the stretches.
 
     Raises
     ------
     MisfitError
-        If they do not fit together: their pictures or numbers are others, or all would be followed again.
+        If they do not fit together: their pictures or numbers are others, or rows differ at all cuts.
     """
-    stretches, words = job.parts, f"joined of {len(job.parts)} stretches"
-    parts, cuts = _parts_of(job, store, stretches)
-    apart = [cut.frame + cut.shift for cut in cuts if not cut.same]
-    if apart:
-        stretches = tuple(_merged(stretches, [cut.same for cut in cuts]))
-        again = [each for each in stretches if each.last > each.number]
+    parts = {each: _kept_part(store, each.folder_in(job.folder)) for each in job.parts}
+    cuts, words = cuts_between(list(parts.values())), f"joined of {len(parts)} stretches"
+    if not all(cut.same for cut in cuts):
+        stretches = _merged(job.parts, cuts)
         if len(stretches) == 1:
-            raise MisfitError(f"rows differ at each of the {len(cuts)} cuts")
-        for each in again:
-            follow(msgspec.structs.replace(job, folder=each.folder_in(job.folder), stretch=each, parts=()))
-        parts, cuts = _parts_of(job, store, stretches)
+            raise MisfitError(f"rows of {len(parts)} stretches differ at all cuts")
+        for each in stretches:
+            if each not in parts:
+                code, parts[each] = _followed(each, folder, follow)
+                if code not in (FOUND, NOT_FOUND):
+                    return code, words
+        words += f", {sum(each not in stretches for each in job.parts)} of them followed again: rows differed at a cut"
+        parts = {each: parts[each] for each in stretches}
+        cuts = cuts_between(list(parts.values()))
         if not all(cut.same for cut in cuts):
-            raise MisfitError("rows differ at a cut although the stretches beside it were followed again")
-        words += f"; {sum(each.last - each.number + 1 for each in again)} of them followed again: rows differed at a cut"
-    name, _ = kept_table(store, stretches[0].folder_in(job.folder)) or (TABLES[0], b"")
-    (folder / name).write_bytes(joined(parts, cuts))
-    return Joined(words, (*job.parts, *(each for each in stretches if each not in job.parts)))
+            raise MisfitError(f"rows of {len(parts)} stretches differ at a cut again")
+    name, _ = kept_table(store, job.parts[0].folder_in(job.folder)) or (TABLES[0], b"")
+    (folder / name).write_bytes(joined(list(parts.values()), cuts))
+    return FOUND, words
 
 
-def _parts_of(job: Job, store: Store, stretches: Sequence[Stretch]) -> tuple[list[Part], list[Cut]]:
-    """Read the tables of stretches, and find where they go over into each other."""
-    parts = list[Part]()
-    for stretch in stretches:
-        place = stretch.folder_in(job.folder)
-        _, table = kept_table(store, place) or ("", b"")
-        parts.append(Part(table, read_marks(store.read(f"{place}/{MARKS}") or b"")))
-    return parts, cuts_between(parts)
+def _kept_part(store: Store, folder: str) -> Part:
+    _, table = kept_table(store, folder) or ("", b"")
+    return Part(table, read_marks(store.read(f"{folder}/{MARKS}") or b""))
 
 
-def _merged(stretches: Sequence[Stretch], same: Sequence[bool]) -> Iterator[Stretch]:
-    """Yield stretches, those beside a cut where rows differ as one."""
-    first = stretches[0]
-    for stretch, good in zip(stretches, [*same, True], strict=True):
-        if good:
-            yield msgspec.structs.replace(first, last=stretch.last, end=stretch.end)
-            first = next((each for each in stretches if each.number > stretch.last), first)
+def _followed(stretch: Stretch, folder: Path, follow: Follow) -> tuple[int, Part]:
+    """Follow a stretch in a folder that is gone afterwards."""
+    with tempfile.TemporaryDirectory(dir=folder) as name:
+        code, place = follow(stretch, Path(name)), Path(name)
+        table = table_in(place)
+        return code, Part(b"" if table is None else table.read_bytes(), read_marks((place / MARKS).read_bytes()))
+
+
+def _merged(stretches: Sequence[Stretch], cuts: Sequence[Cut]) -> list[Stretch]:
+    """Return stretches in which those beside a cut where rows differ are one."""
+    merged = [stretches[0]]
+    for stretch, cut in zip(stretches[1:], cuts, strict=True):
+        if cut.same:
+            merged.append(stretch)
+        else:
+            merged[-1] = msgspec.structs.replace(merged[-1], end=stretch.end)
+    return merged

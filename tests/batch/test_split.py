@@ -90,6 +90,28 @@ def test_joined_table_is_that_of_the_whole(
     assert "joined of 3 stretches" in Path("cut/videos.csv").read_text()
 
 
+@pytest.mark.parametrize(
+    ("hidden", "words"),
+    [
+        ((range(160, 320),), "joined of 3 stretches, 2 of them followed again: rows differed at a cut"),
+        ((range(160, 320), range(460, 620)), "followed whole: rows of 3 stretches differ at all cuts"),
+    ],
+)
+def test_stretches_whose_rows_do_not_agree_are_followed_as_one(
+    matchset: Matchset, tmp_path: Path, hidden: tuple[range, ...], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    short_overlap(monkeypatch)
+    gone = {index for each in hidden for index in each}  # nobody is seen where two stretches overlap
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900, hidden=gone)
+    write_color(tmp_path / "ball.npz")
+    assert matchset("batch", path, "--out", "whole", "--color", "ball.npz") == 0
+    assert matchset("batch", path, "--out", "cut", "--color", "ball.npz", "--split", 10) == 0
+    assert Path("whole/long.mp4/tracks.csv").read_bytes() == Path("cut/long.mp4/tracks.csv").read_bytes()
+    assert words in Path("cut/videos.csv").read_text()
+    assert all(path.is_file() for path in Path("cut/long.mp4").iterdir())
+    assert [path.name for path in Path("cut").iterdir() if path.is_dir() and path.name[0] != "."] == ["long.mp4"]
+
+
 def part(frames: range, places: dict[str, float], shift: int = 0, first: int = 0) -> Part:
     """A stretch with targets at rest: the place of each by its identity."""
     lines = [HEADING]

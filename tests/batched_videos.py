@@ -1,6 +1,7 @@
 """Short videos of a ball for the tests of batches, and a pool that works in this process."""
 
 import time
+from collections.abc import Container
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -15,12 +16,15 @@ from matchset.batch.workers.pool import Answer
 from matchset.image.color import ColorModel
 
 
-def write_ball(path: Path, seed: int = 0, frames: int = 12, size: tuple[int, int] = (160, 120)) -> Path:
-    """Write a video of a blue ball that goes to and fro."""
+def write_ball(
+    path: Path, seed: int = 0, frames: int = 12, size: tuple[int, int] = (160, 120), hidden: Container[int] = ()
+) -> Path:
+    """Write a video of a blue ball that goes to and fro, and is not there in some frames."""
     path.parent.mkdir(parents=True, exist_ok=True)
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 30.0, size)
     for index in range(frames):
-        writer.write(ball_picture((60.0 + 3.0 * seed + 20.0 * np.sin(0.05 * index + seed), 60.0)))
+        x = 60.0 + 3.0 * seed + 20.0 * np.sin(0.05 * index + seed)
+        writer.write(ball_picture((-100.0 if index in hidden else x, 60.0)))
     writer.release()
     return path
 

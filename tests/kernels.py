@@ -199,13 +199,14 @@ def adapt(
     circle: Circle,
     rate: float,
     limits: AdaptationParameters | None = None,
+    looks: range = range(4),
 ) -> None:
-    """Teach a color what is in and around a circle, as a tracker does in four frames."""
+    """Teach a color what is in and around a circle, as a tracker does in as many frames as there are looks."""
     outline, shares = _outline(circle, 64)
     target = color.log_odds, first, color.table, outline, shares
     block = adaptation_block(msgspec.structs.replace(limits or AdaptationParameters(), rate=rate))
-    for begin in range(4):
-        adapt_table(channels_last(image), *target, circle.x, circle.y, begin, block)
+    for look in looks:
+        adapt_table(channels_last(image), *target, circle.x, circle.y, look, block)
 
 
 def _outline(circle: Circle, n: int) -> tuple[Floats, Floats]:

@@ -383,7 +383,7 @@ def test_a_click_is_of_the_video_that_has_more_of_its_name(
             "give one of --jobs and --scheduler",
         ),
         (("--color", "ball.npz", "--locate", "--shape", "ellipse"), "--shape and --gray are of 'track'"),
-        (("--color", "ball.npz", "--split", 5), "--split must be 20 s at least"),
+        (("--color", "ball.npz", "--split", 5), "--split must be 60 s at least"),
         (("--color", "ball.npz", "--split", 60, "--films"), "--films is of whole videos"),
         (("--color", "ball.npz", "--split", 60, "--all", "--smooth"), "--smooth is of whole videos"),
         (("--color", "ball.npz", "--most", 3), "--most is of several targets"),

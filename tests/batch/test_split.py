@@ -13,10 +13,11 @@ from matchset.batch import run
 from matchset.batch.jobs import choice
 from matchset.batch.jobs.video_options import track_options
 from matchset.batch.options import BatchOptions
-from matchset.batch.split import parts
-from matchset.batch.split.joining import MisfitError, Part, joined
+from matchset.batch.split import joining, parts
+from matchset.batch.split.joining import JoinParameters, MisfitError, Part, cuts_between, joined
 from matchset.media.video import Video
-from matchset.media.video_stretch import StretchMark, VideoStretch
+from matchset.media.video_stretch import StretchMark, StretchParameters, VideoStretch
+from matchset.tracking.parameters import TrackerParameters
 
 HEADING = "frame,time,found,x,y,radius,identity,label,alternatives"
 
@@ -43,6 +44,23 @@ def test_stretch_has_the_frames_of_the_whole(tmp_path: Path) -> None:
     assert [mark.index for mark in marks] == [frame.index for frame in frames]
 
 
+def test_stretch_begins_where_a_tracker_that_has_read_all_does_what_it_does_now_and_then(tmp_path: Path) -> None:
+    path = write_ball(tmp_path / "long.mp4", frames=240)
+    for first, begin, index in ((0, 2.1, 120), (5, 2.1, 65), (5, 1.0, 65), (200, 2.0, 80)):
+        with VideoStretch(str(path), begin, 7.0, lambda _: None, first=first) as stretch:
+            assert next(stretch).index == index
+    limits = TrackerParameters()
+    own = limits.remembered, limits.others.period, limits.hypotheses.period, 4 * limits.adaptation.period
+    for period in (*own, limits.adaptation.sweep * limits.adaptation.period):
+        assert StretchParameters().cycle % period == 0
+
+
+def test_nothing_is_left_of_a_video_that_ends_before(tmp_path: Path) -> None:
+    path = write_ball(tmp_path / "long.mp4", frames=70)
+    with VideoStretch(str(path), 2.1, 7.0, lambda _: None) as stretch:
+        assert list(stretch) == []
+
+
 def test_pictures_in_a_folder_have_no_stretches(tmp_path: Path) -> None:
     import cv2
     import numpy as np
@@ -53,30 +71,29 @@ def test_pictures_in_a_folder_have_no_stretches(tmp_path: Path) -> None:
         VideoStretch(str(tmp_path), 0.0, 1.0, lambda _: None)
 
 
+def short_overlap(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=4.0))
+    monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.PARAMETERS))
+    monkeypatch.setattr(joining.cuts_between, "__defaults__", (joining.JoinParameters(same=30),))
+
+
 @pytest.mark.parametrize("words", [("--color", "ball.npz"), ("--pick", "60,60@5"), ("--color", "ball.npz", "--all")])
 def test_joined_table_is_that_of_the_whole(
     matchset: Matchset, tmp_path: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=2.0))
-    monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.PARAMETERS))
-    path = write_ball(tmp_path / "clips" / "long.mp4", frames=360)
+    short_overlap(monkeypatch)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
     write_color(tmp_path / "ball.npz")
     assert matchset("batch", path, "--out", "whole", *words) == 0
-    assert matchset("batch", path, "--out", "cut", *words, "--split", 4) == 0
+    assert matchset("batch", path, "--out", "cut", *words, "--split", 10) == 0
     one, other = rows(Path("whole/long.mp4/tracks.csv")), rows(Path("cut/long.mp4/tracks.csv"))
-    assert [(row["frame"], row["time"], row["found"]) for row in one] == [
-        (row["frame"], row["time"], row["found"]) for row in other
-    ]
-    found = [(float(a["x"]) - float(b["x"]), float(a["y"]) - float(b["y"])) for a, b in zip(one, other, strict=True)]
-    assert max(abs(value) for pair in found for value in pair) < 0.3
-    assert {row.get("identity") for row in other} == {row.get("identity") for row in one}
+    assert one == other
     assert sorted(path.name for path in Path("cut").iterdir() if path.is_dir() and path.name[0] != ".") == ["long.mp4"]
     assert "joined of 3 stretches" in Path("cut/videos.csv").read_text()
 
 
 def test_what_is_likeliest_is_chosen_once(matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.SplitParameters(overlap=2.0)))
-    monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=2.0))
+    short_overlap(monkeypatch)
     chosen = list[BallChoice]()
 
     def choose_and_count(video: Video) -> BallChoice:
@@ -84,18 +101,40 @@ def test_what_is_likeliest_is_chosen_once(matchset: Matchset, tmp_path: Path, mo
         return chosen[-1]
 
     monkeypatch.setattr(choice, "choose", choose_and_count)
-    path = write_ball(tmp_path / "clips" / "long.mp4", frames=360)
-    assert matchset("batch", path, "--out", "auto", "--auto", "--split", 4) == 0
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    assert matchset("batch", path, "--out", "auto", "--auto", "--split", 10) == 0
     assert len(chosen) == 1
     (row,) = rows(Path("auto/videos.csv"))
     assert "joined of 3 stretches" in row["reason"]
-    assert matchset("batch", path, "--out", "clicked", "--pick", row["click"], "--split", 4) == 0
+    assert matchset("batch", path, "--out", "clicked", "--pick", row["click"], "--split", 10) == 0
     assert Path("auto/long.mp4/tracks.csv").read_bytes() == Path("clicked/long.mp4/tracks.csv").read_bytes()
     monkeypatch.setattr(choice.doubt_of, "__defaults__", (choice.DoubtParameters(rank=1.0),))
-    assert matchset("batch", path, "--out", "doubtful", "--auto", "--split", 4) == 1
+    assert matchset("batch", path, "--out", "doubtful", "--auto", "--split", 10) == 1
     assert rows(Path("doubtful/videos.csv"))[0]["state"] == "doubtful"
     assert Path("doubtful/long.mp4/frame.png").is_file()
     assert len(chosen) == 2
+
+
+@pytest.mark.parametrize(
+    ("hidden", "words"),
+    [
+        ((range(160, 320),), "joined of 3 stretches, 2 of them followed again: rows differed at a cut"),
+        ((range(160, 320), range(460, 620)), "followed whole: rows of 3 stretches differ at all cuts"),
+    ],
+)
+def test_stretches_whose_rows_do_not_agree_are_followed_as_one(
+    matchset: Matchset, tmp_path: Path, hidden: tuple[range, ...], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    short_overlap(monkeypatch)
+    gone = {index for each in hidden for index in each}  # nobody is seen where two stretches overlap
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900, hidden=gone)
+    write_color(tmp_path / "ball.npz")
+    assert matchset("batch", path, "--out", "whole", "--color", "ball.npz") == 0
+    assert matchset("batch", path, "--out", "cut", "--color", "ball.npz", "--split", 10) == 0
+    assert Path("whole/long.mp4/tracks.csv").read_bytes() == Path("cut/long.mp4/tracks.csv").read_bytes()
+    assert words in Path("cut/videos.csv").read_text()
+    assert all(path.is_file() for path in Path("cut/long.mp4").iterdir())
+    assert [path.name for path in Path("cut").iterdir() if path.is_dir() and path.name[0] != "."] == ["long.mp4"]
 
 
 def part(frames: range, places: dict[str, float], shift: int = 0, first: int = 0) -> Part:
@@ -107,42 +146,60 @@ def part(frames: range, places: dict[str, float], shift: int = 0, first: int = 0
     return Part("\n".join(lines).encode() + b"\n", marks)
 
 
+SHORT = JoinParameters(same=15)
+
+
+def table_of(stretches: list[Part]) -> list[list[str]]:
+    table = joined(stretches, cuts_between(stretches, SHORT)).decode()
+    return [line.split(",") for line in table.splitlines()[1:]]
+
+
+def agree(*stretches: Part) -> list[bool]:
+    return [cut.same for cut in cuts_between(stretches, SHORT)]
+
+
 def test_identities_go_on_and_new_ones_get_new_numbers() -> None:
     one = part(range(100), {"0": 20.0, "1": 80.0})
     other = part(range(60, 200), {"0": 80.0, "1": 20.0, "2": 140.0}, shift=2)
-    table, differing = joined([one, other])
-    lines = [line.split(",") for line in table.decode().splitlines()[1:]]
+    lines = table_of([one, other])
     assert [int(line[0]) for line in lines] == sorted(int(line[0]) for line in lines)
     assert {int(line[0]) for line in lines} == set(range(200))
     assert {(line[6], line[3]) for line in lines} == {("0", "20.0"), ("1", "80.0"), ("2", "140.0")}
-    assert differing == [99]  # one more target is seen by the later stretch: said
+    assert agree(one, other) == [False]  # one more target is seen by the later stretch
 
 
-def test_nobody_is_there_where_stretches_overlap() -> None:
-    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"0": 90.0})
+def test_where_nobody_is_seen_nothing_says_that_trackers_know_the_same() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"0": 20.0})
+    assert agree(one, other) == [True]
     for frame in range(50, 110):
         one.rows.pop(frame, None)
         other.rows.pop(frame, None)
-    table, differing = joined([one, other])
-    lines = [line.split(",") for line in table.decode().splitlines()[1:]]
-    assert [int(line[0]) for line in lines] == [*range(50), *range(110, 200)]
-    assert [line[6] for line in lines] == ["0"] * 50 + ["1"] * 90  # somebody else, as far as can be told
-    assert differing == []
+    assert agree(one, other) == [False]
+
+
+def test_frames_in_which_nobody_is_seen_neither_count_nor_end_a_run() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"0": 20.0})
+    for frame in range(65, 95):
+        one.rows.pop(frame)
+        other.rows.pop(frame)
+    assert agree(one, other) == [False]  # ten frames
+    for frame in range(70, 80):
+        one.rows[frame] = other.rows[frame] = [[str(frame), "2.0", "1", "20.0", "50.0", "10.0", "0", "0", ""]]
+    assert agree(one, other) == [True]
 
 
 def test_three_stretches_with_other_numbers() -> None:
     stretches = [part(range(first, first + 100), {"3": 20.0}, shift=k) for k, first in enumerate((0, 60, 120))]
-    table, differing = joined(stretches)
-    lines = [line.split(",") for line in table.decode().splitlines()[1:]]
+    lines = table_of(stretches)
     assert [int(line[0]) for line in lines] == list(range(220))
     assert {line[6] for line in lines} == {"3"}
-    assert differing == []
+    assert agree(*stretches) == [True, True]
 
 
 @pytest.mark.parametrize("other", [part(range(60, 200), {"0": 20.0}, first=1), part(range(100, 200), {"0": 20.0})])
 def test_other_pictures_are_not_joined(other: Part) -> None:
     with pytest.raises(MisfitError, match="are the same where they overlap"):
-        joined([part(range(100), {"0": 20.0}), other])
+        cuts_between([part(range(100), {"0": 20.0}), other])
 
 
 def test_options_of_a_batch_are_those_of_track() -> None:

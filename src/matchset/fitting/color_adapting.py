@@ -59,8 +59,7 @@ class ColorAdapting:
         if whole and fit.interior_share >= limits.min_interior:
             outline, interior, tables = fitter.outline, fitter.interior, (color.log_odds, self._learned, color.table)
             x, y = fitter.state.tolist()[:2]
-            quadrant = frames // limits.period % 4
-            adapt_table(image, *tables, outline, interior, x, y, quadrant, self._block)
+            adapt_table(image, *tables, outline, interior, x, y, frames // limits.period, self._block)
 
     def keep(self, image: Image, color: ColorModel) -> None:
         """Keep a color, and a few pixels of a picture (h, w, channels), uint8, in whose light it is right."""

@@ -22,9 +22,13 @@ class StretchParameters(msgspec.Struct, frozen=True):
     ----------
     failures : int
         Pictures one after the other that do not decode at the end of a stretch, from which on the file has ended.
+    cycle : int
+        After a jump frames are left out up to a multiple of so many: what a tracker does in every third, tenth or
+        thirtieth frame it then does in the same frames as one that has read all. 1: none is left out.
     """
 
     failures: int = 8
+    cycle: int = 60
 
 
 PARAMETERS = StretchParameters()
@@ -63,6 +67,8 @@ class VideoStretch(StampedVideo):
         Takes the `StretchMark` of every frame that is handed out.
     closing : callable, optional
         Called when the video is closed.
+    first : int
+        Number of the frame from which on cycles are counted: that of a click.
     options
         As of `Video`.
 
@@ -79,9 +85,10 @@ class VideoStretch(StampedVideo):
         end: float,
         noted: Callable[[StretchMark], None],
         closing: Callable[[], None] = lambda: None,
+        first: int = 0,
         **options: Any,
     ) -> None:
-        self._closing = closing
+        self._closing, self._first = closing, first
         super().__init__(source, **options)
         recording = self.recording
         if recording is None:
@@ -108,11 +115,14 @@ class VideoStretch(StampedVideo):
 
     def _after_jump(self, capture: Capture) -> Frame:
         """Return the next frame that decodes, counted from the first one, whose number its time stamp says about."""
-        recording = self._recording
-        for _ in range(PARAMETERS.failures):
-            image = unpack(capture) if capture.grab() else None
+        recording, failures, begun = self._recording, 0, self._index >= 0
+        while failures < PARAMETERS.failures:
+            grabbed = capture.grab()
             stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             self._index = round(stamp * (self.fps or 1.0)) if self._index < 0 else self._index + 1
+            begun = begun or (self._index - self._first) % PARAMETERS.cycle == 0
+            image = unpack(capture) if grabbed and begun else None
+            failures = 0 if grabbed and not begun else failures + 1
             if image is not None:
                 recording.stamp = stamp
                 time = recording.time_of(self._index, stamp)

@@ -121,6 +121,42 @@ def test_a_wrong_outline_far_outside_changes_nothing(size: int) -> None:
     assert look_inside(image, color, Circle(-400.0, -400.0, 30.0))[:2] == (-1.0, -1.0)
 
 
+def taught(first: npt.NDArray[np.float32], seed: int) -> ColorModel:
+    """A color that has seen other things."""
+    color = ColorModel(first)
+    pixels = np.random.default_rng(seed).integers(0, 256, (120, 160, 3), np.uint8)
+    adapt(pixels, color, first, CIRCLE, 2.0, AdaptationParameters(forget=0.0), range(12))
+    assert not np.array_equal(color.log_odds, first)
+    return color
+
+
+NOWHERE = Circle(-400.0, -400.0, 30.0)
+
+
+def test_what_is_not_seen_again_is_forgotten() -> None:
+    first = np.random.default_rng(1).uniform(-1.5, 1.5, 32768).astype(np.float32)
+    color, limits = taught(first, 2), AdaptationParameters(forget=0.4, sweep=7)
+    apart = np.abs(color.log_odds - first)
+    for sweep in range(1, 9):
+        looks = range((sweep - 1) * limits.sweep, sweep * limits.sweep)
+        adapt(picture(), color, first, NOWHERE, 0.0, limits, looks)
+        expected = np.maximum(apart - sweep * limits.forget, 0.0)
+        np.testing.assert_allclose(np.abs(color.log_odds - first), expected, atol=1e-5)
+        np.testing.assert_array_equal(color.table, ColorModel(color.log_odds).table)
+    np.testing.assert_array_equal(color.log_odds, first)
+
+
+def test_colors_that_have_seen_other_things_become_the_same() -> None:
+    first = learned().log_odds
+    one, other = taught(first, 2), taught(first, 3)
+    assert np.count_nonzero(one.table != other.table) > 100
+    limits = AdaptationParameters()
+    for look in range(10 * limits.sweep):
+        for color in (one, other):
+            adapt(picture(seed=look), color, first, CIRCLE, 0.8, limits, range(look, look + 1))
+    np.testing.assert_array_equal(one.table, other.table)
+
+
 def test_gray_learns_too() -> None:
     color = ColorModel(np.zeros(256, np.float32))
     image = np.where(INSIDE, 60, 180).astype(np.uint8)

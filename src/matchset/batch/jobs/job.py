@@ -27,6 +27,10 @@ class Stretch(msgspec.Struct, frozen=True):
     begin: float
     end: float
 
+    def folder_in(self, folder: str) -> str:
+        """Return the folder of its results, by that of the whole video's."""
+        return f"{folder}.{self.number:04d}"
+
 
 class Job(msgspec.Struct, frozen=True, kw_only=True):
     """What a worker does with one video; nothing but names travels.
@@ -57,8 +61,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         Of the video as the batch sees it, bytes: where a worker sees none it does not share that disk.
     stretch : Stretch or None
         Which part of a long video.
-    parts : int
-        How many stretches are to be joined; 0: it is done in one.
+    parts : tuple of Stretch
+        The stretches that are to be joined; none: it is done in one.
     seconds : float
         What its stretches have taken, s.
     """
@@ -75,7 +79,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     click: str = ""
     size: int = 0
     stretch: Stretch | None = None
-    parts: int = 0
+    parts: tuple[Stretch, ...] = ()
     seconds: float = 0.0
 
 

@@ -15,13 +15,13 @@ from matchset.app.track.command import track
 from matchset.batch.jobs.choice import Chosen, chosen_for, doubt_afterwards, write_frame
 from matchset.batch.jobs.counts import counts_in, noted_table, table_in
 from matchset.batch.jobs.identity import code_digest, content_digest, stat_of, worker_name
-from matchset.batch.jobs.job import DONE, Job, State, VideoOutcome
+from matchset.batch.jobs.job import DONE, Job, State, Stretch, VideoOutcome
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.jobs.videos import plain_name, plain_words
 from matchset.batch.jobs.watch import Watch
 from matchset.batch.results.store import RUN, Store, SupersededError, store_at
 from matchset.batch.split.joining import MisfitError
-from matchset.batch.split.stretch_work import join_stretches, stretch_folder, stretch_options
+from matchset.batch.split.stretch_work import join_stretches, stretch_options
 from matchset.image.errors import LinkError
 
 LOG = "log.txt"  # format: in the folder of a video's results
@@ -96,8 +96,8 @@ def do_job(job: Job) -> VideoOutcome:
                 _name_results(folder / LOG, folder, job.folder)
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
                 store.keep(folder, job.folder)
-                for number in range(job.parts):
-                    store.remove(stretch_folder(job.folder, number))
+                for stretch in job.parts:
+                    store.remove(stretch.folder_in(job.folder))
     except OSError as error:
         if is_full(error):
             raise FullDiskError(errno.ENOSPC, f"no room for the results of {job.video}", job.out) from None
@@ -153,16 +153,15 @@ def _run(job: Job, folder: Path, store: Store) -> VideoOutcome:
         contextlib.redirect_stderr(log),
     ):
         try:
-            words = _joined(job, folder, store)
-            if words:
-                return _counted(job, folder, FOUND, Chosen(job.options, click=job.click, words=words))
             chosen = chosen_for(job, folder)
             if chosen.doubt:
                 return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
             if job.choosing:
                 return _outcome(job, "chosen", chosen.words, click=chosen.click)
-            options = chosen.options if job.stretch is None else stretch_options(job, chosen.options, folder)
-            code = run_command(msgspec.structs.replace(options, source=job.video, out=folder, force=True))
+            code, words = _joined(job, chosen.options, folder, store) if job.parts else (None, "")
+            chosen = msgspec.structs.replace(chosen, words="; ".join(filter(None, (chosen.words, words))))
+            if code is None:
+                code = _run_command(job, chosen.options, folder)
         except Exception as error:  # whatever a file makes of a decoder: one video is one row
             if is_full(error):
                 raise
@@ -173,21 +172,30 @@ def _run(job: Job, folder: Path, store: Store) -> VideoOutcome:
     return _counted(job, folder, code, chosen)
 
 
-def _joined(job: Job, folder: Path, store: Store) -> str:
-    """Join the stretches of a video, in words; empty if there are none, or they do not fit together."""
-    if not job.parts:
-        return ""
+def _joined(job: Job, options: Options, folder: Path, store: Store) -> tuple[int | None, str]:
+    """Join the stretches of a video; returns an exit code, None if the video is to be followed whole, and words."""
+
+    def follow(stretch: Stretch, place: Path) -> int:
+        return _run_command(msgspec.structs.replace(job, stretch=stretch), options, place)
+
     try:
-        return join_stretches(job, store, folder)
+        return join_stretches(job, store, folder, follow)
     except MisfitError as error:
         print_note(f"{error}: the video is followed whole")
-        return ""
+        return None, f"followed whole: {error}"
 
 
 def _name_results(log: Path, folder: Path, name: str) -> None:
     """Write the names of files in a log as they will be."""
     words = log.read_text(encoding="utf-8", errors="surrogateescape")
     log.write_text(words.replace(str(folder), name), encoding="utf-8", errors="surrogateescape")
+
+
+def _run_command(job: Job, options: Options, folder: Path) -> int:
+    """Run `track` or `locate` for a video, or for a stretch of it; returns its exit code."""
+    if job.stretch is not None:
+        options = stretch_options(job, options, folder)
+    return run_command(msgspec.structs.replace(options, source=job.video, out=folder, force=True))
 
 
 def run_command(options: Options) -> int:

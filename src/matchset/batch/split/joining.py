@@ -1,7 +1,11 @@
-"""One table of the stretches of a video: frames are matched by their pictures, targets by their places (`joined`)."""
+"""One table of the stretches of a video: frames are matched by their pictures, targets by their places.
+
+`cuts_between` finds where stretches go over into each other, `joined` writes the table.
+"""
 
 import csv
 import io
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -27,14 +31,14 @@ class JoinParameters(msgspec.Struct, frozen=True):
     pictures : int
         Pictures that must be the same. More: not satisfied by still pictures alone; needs a longer overlap.
     same : int
-        Rows one after the other that must be the same in both where one goes over into the other. More: more of what
-        was learned before the cut is forgotten, and the overlap may end first.
+        Frames with a target that is seen whose rows must be the same in both, one after the other, where one goes over
+        into the other. More: it is surer that they stay the same, and more often the overlap ends first.
     near : float
         Targets of both are one if their places differ by less than so many radii, in most of the frames.
     """
 
     pictures: int = 30
-    same: int = 15
+    same: int = 150
     near: float = 0.5
 
 
@@ -92,8 +96,8 @@ class Cut(msgspec.Struct, frozen=True):
     names: dict[str, str]
 
 
-def joined(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS) -> tuple[bytes, list[int]]:
-    """Return one table of all stretches, and the frames at which they go over into each other with other rows.
+def cuts_between(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS) -> list[Cut]:
+    """Find where stretches go over into each other.
 
     Parameters
     ----------
@@ -103,29 +107,39 @@ def joined(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS) -> tu
     Raises
     ------
     MisfitError
-        If two of them do not have the same pictures where they overlap.
+        If two of them do not have the same pictures where they overlap, or three have.
+    """
+    cuts = [cut_between(one, other, parameters) for one, other in itertools.pairwise(parts)]
+    for before, after in itertools.pairwise(cuts):
+        if not before.frame < after.frame + after.shift:
+            raise MisfitError("two stretches overlap a third one at the same place")
+    return cuts
+
+
+def joined(parts: Sequence[Part], cuts: Sequence[Cut]) -> bytes:
+    """Return one table of all stretches.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    cuts : sequence of Cut
+        `cuts_between` them.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(parts[0].names)
-    differing, shift, begin = list[int](), 0, -math.inf
-    names, used = dict[str, str](), 0
+    shift, begin, used, names = 0, -math.inf, 0, dict[str, str]()
     for number, part in enumerate(parts):
-        cut = None if number + 1 == len(parts) else cut_between(part, parts[number + 1], parameters)
+        cut = cuts[number] if number < len(cuts) else None
         end = math.inf if cut is None else cut.frame + cut.shift
-        if not begin < end:
-            raise MisfitError("two stretches overlap a third one at the same place")
         for frame, rows in part.rows.items():
             if begin <= frame < end:
                 writer.writerows(_renamed(part, rows, frame + shift, names))
         used = _used(part, names, used)
-        if cut is None:
-            break
-        if not cut.same:
-            differing.append(int(end) + shift)
-        names = _next_names(parts[number + 1], cut, names, used)
-        begin, shift = cut.frame, shift + cut.shift
-    return text.getvalue().encode(), differing
+        if cut is not None:
+            names = _next_names(parts[number + 1], cut, names, used)
+            begin, shift = cut.frame, shift + cut.shift
+    return text.getvalue().encode()
 
 
 def cut_between(one: Part, other: Part, parameters: JoinParameters = PARAMETERS) -> Cut:
@@ -141,7 +155,10 @@ def cut_between(one: Part, other: Part, parameters: JoinParameters = PARAMETERS)
     run = 0
     for frame in common:
         before, after = one.rows.get(frame + shift, []), other.rows.get(frame, [])
-        run = run + 1 if _comparable(one, before, {}) == _comparable(other, after, names) else 0
+        if _comparable(one, before, {}) != _comparable(other, after, names):
+            run = 0
+        elif _any_seen(other, after):
+            run += 1
         if run >= parameters.same:
             return Cut(frame, shift, True, names)
     return Cut(common[-1], shift, False, names)
@@ -167,6 +184,12 @@ def _comparable(part: Part, rows: Sequence[Row], names: dict[str, str]) -> list[
         return [row[2:] for row in rows]
     own = [names.get(row[identity], "new") if names else row[identity] for row in rows]
     return sorted([name, *row[2:identity], *row[identity + 1 :]] for name, row in zip(own, rows, strict=True))
+
+
+def _any_seen(part: Part, rows: Sequence[Row]) -> bool:
+    """Whether a target is seen in a frame: where none is, rows are the same, whatever a tracker knows."""
+    found = part.column("found")
+    return found is not None and any(row[found] == "1" for row in rows)
 
 
 def _same_targets(

@@ -21,10 +21,13 @@ class StretchOpening(SilenceOptions, frozen=True, kw_only=True):
     stretch : Stretch
     marks : Path
         File for the marks of its frames.
+    first : int
+        The frame in which somebody clicked.
     """
 
     stretch: Stretch
     marks: Path
+    first: int = 0
 
     def open(
         self, source: str, fps: float | None = None, topic: str | None = None, view: ViewOptions = AS_IT_IS
@@ -38,7 +41,7 @@ class StretchOpening(SilenceOptions, frozen=True, kw_only=True):
 
         begin, end = self.stretch.begin, self.stretch.end
         return VideoStretch(
-            source, begin, end, note, marks.close, fps=fps, topic=topic, note=print_note, **view.arguments
+            source, begin, end, note, marks.close, self.first, fps=fps, topic=topic, note=print_note, **view.arguments
         )
 
 

@@ -4,7 +4,6 @@ import msgspec
 
 from matchset.batch.jobs.job import DONE, Job, Stretch, VideoOutcome
 from matchset.batch.options import BatchOptions
-from matchset.batch.split.stretch_work import stretch_folder
 from matchset.media.frame_list import StampedVideo
 
 
@@ -14,13 +13,14 @@ class SplitParameters(msgspec.Struct, frozen=True):
     Parameters
     ----------
     overlap : float
-        Time that a stretch has in common with the one before, s. More: what was learned before the cut matters less,
-        and more is done twice.
+        Time that a stretch has in common with the one before, s. More: rows are the same at its end more often, and
+        more is done twice. A color forgets within 20 s while the ball is seen, and then the rows must be the same for
+        some seconds.
     shortest : float
         A video is cut if it is longer than this share of two stretches. Less: short stretches at the end.
     """
 
-    overlap: float = 10.0
+    overlap: float = 30.0
     shortest: float = 0.75
 
 
@@ -75,16 +75,14 @@ class Parts:
         if job.auto and not job.click:  # once, the same for all stretches
             return [msgspec.structs.replace(job, choosing=True)]
         count = max(round(duration / self._length), 2)
-        stretches = [self._stretch(k, count, duration) for k in range(count)]
-        folders = [stretch_folder(job.folder, k) for k in range(count)]
-        parts = zip(folders, stretches, strict=True)
-        jobs = [msgspec.structs.replace(job, folder=folder, stretch=stretch) for folder, stretch in parts]
-        self._waiting[job.video] = _Waiting(msgspec.structs.replace(job, parts=count), count)
-        return jobs
+        stretches = tuple(self._stretch(k, count, duration) for k in range(count))
+        self._waiting[job.video] = _Waiting(msgspec.structs.replace(job, parts=stretches), count)
+        return [msgspec.structs.replace(job, folder=each.folder_in(job.folder), stretch=each) for each in stretches]
 
     def _stretch(self, number: int, count: int, duration: float) -> Stretch:
-        begin = duration * number / count - self._parameters.overlap if number else 0.0
-        return Stretch(number, max(begin, 0.0), duration * (number + 1) / count if number < count - 1 else float("inf"))
+        begin = max(duration * number / count - self._parameters.overlap, 0.0) if number else 0.0
+        end = duration * (number + 1) / count if number < count - 1 else float("inf")
+        return Stretch(number, begin, end)
 
     def ended(self, job: Job, outcome: VideoOutcome) -> Job | VideoOutcome | None:
         """Note that a stretch has ended; when none is missing, return the job that joins all, or what went wrong."""

@@ -1,26 +1,25 @@
 """What a worker does with a stretch of a long video, and with all its stretches at the end."""
 
+import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
 
+from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.target.shape_option import parse_shape
 from matchset.app.target.target_options import target_for
-from matchset.batch.jobs.counts import TABLES, kept_table
-from matchset.batch.jobs.job import Job
+from matchset.batch.jobs.counts import TABLES, kept_table, table_in
+from matchset.batch.jobs.job import Job, Stretch
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.results.store import Store
-from matchset.batch.split.joining import Part, joined
+from matchset.batch.split.joining import Cut, MisfitError, Part, cuts_between, joined
 from matchset.batch.split.opening import MARKS, StretchOpening, read_marks
 from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 
+Follow = Callable[[Stretch, Path], int]
 COLOR = "color.npz"  # format: beside the table of a stretch, what was clicked
-
-
-def stretch_folder(folder: str, number: int) -> str:
-    """Return the folder of a stretch's results, by that of the whole video's."""
-    return f"{folder}.{number:04d}"
 
 
 def stretch_options(job: Job, options: Options, folder: Path) -> Options:
@@ -44,24 +43,75 @@ def stretch_options(job: Job, options: Options, folder: Path) -> Options:
         ball = parse_shape(getattr(options, "shape", "circle")) is Circle
         learned, _ = target_for(video, msgspec.structs.replace(target, ball=ball))
     learned.color.save(folder / COLOR)
+    opening = msgspec.structs.replace(opening, first=learned.frame)
     colored = msgspec.structs.replace(options.target, picks=None, candidate=None, reading=1, color=[folder / COLOR])
-    return msgspec.structs.replace(changed, target=colored)
+    return msgspec.structs.replace(changed, target=colored, silence=opening)
 
 
-def join_stretches(job: Job, store: Store, folder: Path) -> str:
-    """Write one table of all stretches; returns where they go over into each other with other rows, in words.
+def join_stretches(job: Job, store: Store, folder: Path, follow: Follow) -> tuple[int, str]:
+    """Write one table of all stretches; those beside a cut at which their rows differ are followed again, as one.
+
+    Parameters
+    ----------
+    job : Job
+    store : Store
+    folder : Path
+        Where the table is written.
+    follow : callable
+        Follows a stretch into a folder; returns the exit code of the command.
+
+    Returns
+    -------
+    int
+        An exit code: of `follow` where that was stopped.
+    str
+        What became of the stretches.
 
     Raises
     ------
     MisfitError
-        If two of them do not fit together.
+        If they do not fit together: their pictures or numbers are others, or rows differ at all cuts.
     """
-    parts, name = list[Part](), TABLES[0]
-    for number in range(job.parts):
-        place = stretch_folder(job.folder, number)
-        name, table = kept_table(store, place) or (name, b"")
-        parts.append(Part(table, read_marks(store.read(f"{place}/{MARKS}") or b"")))
-    text, differing = joined(parts)
-    (folder / name).write_bytes(text)
-    words = f"joined of {job.parts} stretches"
-    return f"{words}; rows differ at the cuts before frames {', '.join(map(str, differing))}" if differing else words
+    parts = {each: _kept_part(store, each.folder_in(job.folder)) for each in job.parts}
+    cuts, words = cuts_between(list(parts.values())), f"joined of {len(parts)} stretches"
+    if not all(cut.same for cut in cuts):
+        stretches = _merged(job.parts, cuts)
+        if len(stretches) == 1:
+            raise MisfitError(f"rows of {len(parts)} stretches differ at all cuts")
+        for each in stretches:
+            if each not in parts:
+                code, parts[each] = _followed(each, folder, follow)
+                if code not in (FOUND, NOT_FOUND):
+                    return code, words
+        words += f", {sum(each not in stretches for each in job.parts)} of them followed again: rows differed at a cut"
+        parts = {each: parts[each] for each in stretches}
+        cuts = cuts_between(list(parts.values()))
+        if not all(cut.same for cut in cuts):
+            raise MisfitError(f"rows of {len(parts)} stretches differ at a cut again")
+    name, _ = kept_table(store, job.parts[0].folder_in(job.folder)) or (TABLES[0], b"")
+    (folder / name).write_bytes(joined(list(parts.values()), cuts))
+    return FOUND, words
+
+
+def _kept_part(store: Store, folder: str) -> Part:
+    _, table = kept_table(store, folder) or ("", b"")
+    return Part(table, read_marks(store.read(f"{folder}/{MARKS}") or b""))
+
+
+def _followed(stretch: Stretch, folder: Path, follow: Follow) -> tuple[int, Part]:
+    """Follow a stretch in a folder that is gone afterwards."""
+    with tempfile.TemporaryDirectory(dir=folder) as name:
+        code, place = follow(stretch, Path(name)), Path(name)
+        table = table_in(place)
+        return code, Part(b"" if table is None else table.read_bytes(), read_marks((place / MARKS).read_bytes()))
+
+
+def _merged(stretches: Sequence[Stretch], cuts: Sequence[Cut]) -> list[Stretch]:
+    """Return stretches in which those beside a cut where rows differ are one."""
+    merged = [stretches[0]]
+    for stretch, cut in zip(stretches[1:], cuts, strict=True):
+        if cut.same:
+            merged.append(stretch)
+        else:
+            merged[-1] = msgspec.structs.replace(merged[-1], end=stretch.end)
+    return merged

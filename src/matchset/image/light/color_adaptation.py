@@ -4,7 +4,9 @@ The log-odds L of the color cell of a pixel inside the outline moves up by ``rat
 ``rate * s(L)``, with the softsign ``s(L) = 1/2 + L / (2 (1 + |L|))`` in place of the logistic function: online
 regression that moves a cell less the better it already tells target from background. Cells next to it in color move by
 half as much. No cell may leave its first value by more than `AdaptationParameters.max_drift`, and a pixel inside that
-looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
+looks clearly foreign teaches nothing: it is a finger, a stick or a marker. What is not seen again is forgotten: each
+cell goes back toward its first value by a little, all of them once in `AdaptationParameters.sweep` looks. So a color
+hangs on the last half minute alone, and a tracker that began later comes to the same one.
 """
 
 import msgspec
@@ -56,6 +58,12 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
     outside_px : float
         Distance from the outline at which the background is read, px: beyond the blur of an edge, and near enough to be
         what the edge is seen against.
+    forget : float
+        Log-odds by which a cell goes back toward its first value in a sweep. More: what was taught wrongly is gone
+        earlier, and a tracker that began later has the same color earlier; colors of a light that comes and goes are
+        learned more often. 0: nothing is forgotten.
+    sweep : int
+        Looks in which each cell has gone back once. More: forgets more slowly, at less cost for a look.
     """
 
     rate: float = 0.8
@@ -67,6 +75,8 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
     sure_beyond: float = 2.5
     looks: int = 16
     outside_px: float = 6.0
+    forget: float = 0.5
+    sweep: int = 20
 
 
 _LIMITS = record_dtype(AdaptationParameters)
@@ -104,9 +114,27 @@ def _nudge(
     belief = np.float32(0.5) + np.float32(0.5) * old / (np.float32(1.0) + abs(old))
     new = old + amount * (np.float32(1.0) - belief if amount > 0 else belief)
     new = min(max(new, first[cell] - drift, -LIMIT), first[cell] + drift, LIMIT)
-    log_odds[cell] = new
-    half = np.float32(0.5) * new
+    _write(cell, new, log_odds, table)
+
+
+@kernel(refcount=False, entry=False)
+def _write(cell: np.int64 | int, value: np.float32, log_odds: Singles, table: Table) -> None:
+    """Give a cell other log-odds."""
+    log_odds[cell] = value
+    half = np.float32(0.5) * value
     table[cell] = np.int8(np.rint(WHITE * np.tanh(half)))
+
+
+@kernel(refcount=False, entry=False)
+def _forget(log_odds: Singles, first: Singles, table: Table, look: int, limits: Record) -> None:
+    """Let the cells whose turn it is go back toward what was learned first."""
+    step, sweep = np.float32(limits.forget), int(limits.sweep)
+    size = (log_odds.size + sweep - 1) // sweep
+    begin = look % sweep * size
+    for cell in range(begin, min(begin + size, log_odds.size)):
+        apart = log_odds[cell] - first[cell]
+        if apart != np.float32(0.0):
+            _write(cell, first[cell] + max(abs(apart) - step, np.float32(0.0)) * np.sign(apart), log_odds, table)
 
 
 @kernel(refcount=False, entry=False)
@@ -139,7 +167,7 @@ def adapt_table(
     shares: Floats,
     x: float,
     y: float,
-    begin: int,
+    look: int,
     parameters: Block,
 ) -> None:
     """Learn from a few outline points, with few lines from every fourth: one pixel inside, one outside.
@@ -154,15 +182,17 @@ def adapt_table(
     log_odds, first : (32768,) or (256,) float32
         The log-odds, written, and what they were at first.
     table : the same shape, int8, written
-    begin : int
-        Which quarter of the points takes part, 0 ... 3.
+    look : int
+        Number of this look: which quarter of the points takes part, and which cells forget.
     parameters : (n,) float64
         `adaptation_block`; `rate` and what follows `period` are read.
     """
     limits = parameters.view(_LIMITS)[0]
     rate = np.float32(limits.rate)
+    if limits.forget > 0.0:
+        _forget(log_odds, first, table, look, limits)
     step = max(points.shape[0] // limits.looks, 4)
-    for i in range(begin * step // 4, points.shape[0], step):
+    for i in range(look % 4 * step // 4, points.shape[0], step):
         dx, dy = points[i, 0] - x, points[i, 1] - y
         cell = cell_at(image, x + shares[i] * dx, y + shares[i] * dy)
         if cell >= 0 and log_odds[cell] > limits.foreign_below:

@@ -6,7 +6,7 @@ regression that moves a cell less the better it already tells target from backgr
 half as much. No cell may leave its first value by more than `AdaptationParameters.max_drift`, and a pixel inside that
 looks clearly foreign teaches nothing: it is a finger, a stick or a marker. What is not seen again is forgotten: each
 cell goes back toward its first value by a little, all of them once in `AdaptationParameters.sweep` looks. So a color
-hangs on the last half minute alone, and a tracker that began later comes to the same one.
+hangs on the last looks alone, 120 of them by default, and a tracker that began later comes to the same one.
 """
 
 import msgspec
@@ -128,7 +128,7 @@ def _write(cell: np.int64 | int, value: np.float32, log_odds: Singles, table: Ta
 @kernel(refcount=False, entry=False)
 def _forget(log_odds: Singles, first: Singles, table: Table, look: int, limits: Record) -> None:
     """Let the cells whose turn it is go back toward what was learned first."""
-    step, sweep = np.float32(limits.forget), int(limits.sweep)
+    step, sweep = np.float32(limits.forget), max(int(limits.sweep), 1)
     size = (log_odds.size + sweep - 1) // sweep
     begin = look % sweep * size
     for cell in range(begin, min(begin + size, log_odds.size)):

@@ -127,8 +127,7 @@ class LostBall:
         seen : Gate
             Where it is.
         """
-        self.seen, self._pictures = True, 0
-        self._search.forget()
+        self.seen = True
         if self._step.outlines.is_disc:
             self._color = self._step.outlines.network.median_color(image, (seen.x, seen.y, seen.half_width))
             self._half_width = seen.half_width

@@ -1,12 +1,15 @@
 """Long videos in stretches: the same frames as in one reading, identities that go on, stretches that do not fit."""
 
 import csv
+import re
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from batched_videos import HerePool, write_ball, write_color
-from blue_ball import Matchset
+from blue_ball import Matchset, ball_picture
 from matchset.app.guidance.choice import BallChoice, choose
 from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
@@ -61,10 +64,33 @@ def test_nothing_is_left_of_a_video_that_ends_before(tmp_path: Path) -> None:
         assert list(stretch) == []
 
 
-def test_pictures_in_a_folder_have_no_stretches(tmp_path: Path) -> None:
-    import cv2
-    import numpy as np
+def write_broken(path: Path, frames: int, broken: range) -> Path:
+    """Write a video of a ball, some pictures of which do not decode."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    writer = cv2.VideoWriter(str(path), cv2.CAP_OPENCV_MJPEG, cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (160, 120))
+    for index in range(frames):
+        writer.write(ball_picture((60.0 + 20.0 * np.sin(0.05 * index), 60.0)))
+    writer.release()
+    data = bytearray(path.read_bytes())
+    begins = [match.start() for match in re.finditer(rb"\xff\xd8\xff", bytes(data))]
+    assert len(begins) == frames
+    for index in broken:
+        begin, end = begins[index], begins[index + 1] - 8  # format: a chunk's heading in an AVI
+        data[begin:end] = b"\x00" * (end - begin)
+    path.write_bytes(data)
+    return path
 
+
+def test_a_stretch_ends_where_the_whole_ends(tmp_path: Path) -> None:
+    path = write_broken(tmp_path / "broken.avi", 300, range(200, 212))
+    whole = [frame.index for frame in Video(path)]
+    assert whole == [*range(200), *range(212, 300)]
+    with VideoStretch(str(path), 4.0, float("inf"), lambda _: None) as stretch:
+        frames = [frame.index for frame in stretch]
+    assert frames == whole[whole.index(120) :]
+
+
+def test_pictures_in_a_folder_have_no_stretches(tmp_path: Path) -> None:
     for index in range(3):
         cv2.imwrite(str(tmp_path / f"{index}.png"), np.zeros((20, 20, 3), np.uint8))
     with pytest.raises(ValueError, match="cannot be read in stretches"):

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 
@@ -215,11 +216,79 @@ def test_frames_in_which_nobody_is_seen_neither_count_nor_end_a_run() -> None:
 
 
 def test_three_stretches_with_other_numbers() -> None:
-    stretches = [part(range(first, first + 100), {"3": 20.0}, shift=k) for k, first in enumerate((0, 60, 120))]
+    cycle = StretchParameters().cycle
+    stretches = [part(range(first, first + 100), {"3": 20.0}, shift=k * cycle) for k, first in enumerate((0, 60, 120))]
     lines = table_of(stretches)
     assert [int(line[0]) for line in lines] == list(range(220))
     assert {line[6] for line in lines} == {"3"}
     assert agree(*stretches) == [True, True]
+
+
+def test_a_tracker_that_counted_other_frames_is_not_joined() -> None:
+    shifts = 0, StretchParameters().cycle + 1, 1
+    stretches = [part(range(60 * k, 60 * k + 100), {"0": 20.0}, shift=shift) for k, shift in enumerate(shifts)]
+    assert agree(*stretches) == [False, False]
+    shifts = 0, StretchParameters().cycle + 1, 2 * StretchParameters().cycle
+    stretches = [part(range(60 * k, 60 * k + 100), {"0": 20.0}, shift=shift) for k, shift in enumerate(shifts)]
+    assert agree(*stretches) == [False, True]  # of the last one all numbers together count
+
+
+def test_rows_that_differ_later_in_the_overlap_count() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"0": 20.0})
+    one.rows[80][0][3] = "20.1"
+    assert [(cut.frame, cut.same) for cut in cuts_between([one, other], SHORT)] == [(95, True)]
+    one.rows[90][0][3] = "20.1"
+    assert agree(one, other) == [False]
+
+
+def test_other_or_missing_pictures_end_a_run() -> None:
+    one, other = part(range(120), {"0": 20.0}), part(range(60, 200), {"0": 20.0})
+    one.marks[80] = msgspec.structs.replace(one.marks[80], checksum=5)
+    assert [(cut.frame, cut.same) for cut in cuts_between([one, other], SHORT)] == [(95, True)]
+    del one.marks[110]
+    assert agree(one, other) == [False]
+
+
+def row(frame: int, name: str, place: float, found: bool, alternatives: str = "", reason: str = "") -> list[str]:
+    """A row of a target, also of one that is not seen."""
+    cells = [f"{place}", "50.0", "10.0"] if found else ["", "", ""]
+    return [str(frame), f"{frame / 30:.6f}", str(int(found)), *cells, name, "0", alternatives, reason]
+
+
+def two_with_names(names: dict[str, str]) -> Part:
+    """A stretch of three targets, by names; the third is hidden behind the second, or comes later."""
+    late = range(60, 200) if names["0"] != "0" else range(100)
+    stretch = part(late, {})
+    stretch.names = [*HEADING.split(","), "reason"]
+    for frame in late:
+        seen = [row(frame, names["0"], 20.0, True, names["1"]), row(frame, names["1"], 80.0, True)]
+        if frame < 68:
+            last = row(frame, names["2"], 140.0, True)
+        else:
+            last = row(frame, names["2"], 140.0, False, reason=f"hidden behind target {names['1']}")
+        stretch.rows[frame] = sorted([*seen, last], key=lambda each: each[6])
+    return stretch
+
+
+def test_targets_have_the_names_of_the_earlier_stretch_wherever_they_are_named() -> None:
+    one, other = two_with_names({"0": "0", "1": "1", "2": "2"}), two_with_names({"0": "2", "1": "0", "2": "1"})
+    assert agree(one, other) == [True]
+    lines = table_of([one, other])
+    for frame in range(200):
+        rows_of = [line for line in lines if line[0] == str(frame)]
+        assert [line[6] for line in rows_of] == ["0", "1", "2"]
+        assert rows_of[0][8] == "1"
+        assert rows_of[2][9] == ("" if frame < 68 else "hidden behind target 1")
+
+
+def test_names_in_rows_that_are_thrown_away_do_not_count() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"5": 20.0})
+    other.rows[61].append([*other.rows[61][0][:3], "140.0", "50.0", "10.0", "7", "0", ""])
+    third = part(range(160, 300), {"0": 20.0})
+    for frame in range(250, 300):
+        third.rows[frame].append([*third.rows[frame][0][:3], "140.0", "50.0", "10.0", "1", "0", ""])
+    assert agree(one, other, third) == [True, True]
+    assert {line[6] for line in table_of([one, other, third])} == {"0", "1"}
 
 
 @pytest.mark.parametrize("other", [part(range(60, 200), {"0": 20.0}, first=1), part(range(100, 200), {"0": 20.0})])

@@ -14,11 +14,14 @@ from blue_ball import Matchset, ball_picture
 from matchset.app.guidance.choice import BallChoice, choose
 from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
-from matchset.batch.jobs import choice
-from matchset.batch.jobs.video_options import track_options
+from matchset.batch.jobs import choice, counts, work
+from matchset.batch.jobs.job import Job, Stretch
+from matchset.batch.jobs.video_options import Options, track_options
 from matchset.batch.options import BatchOptions
-from matchset.batch.split import joining, parts
+from matchset.batch.results.store import FolderStore, Store, store_at
+from matchset.batch.split import joining, parts, stretch_work
 from matchset.batch.split.joining import JoinParameters, MisfitError, Part, cuts_between, joined
+from matchset.batch.split.opening import StretchOpening
 from matchset.media.video import Video
 from matchset.media.video_stretch import StretchMark, StretchParameters, VideoStretch
 from matchset.tracking.parameters import TrackerParameters
@@ -102,6 +105,7 @@ def short_overlap(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=4.0))
     monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.PARAMETERS))
     monkeypatch.setattr(joining.cuts_between, "__defaults__", (joining.JoinParameters(same=30),))
+    monkeypatch.setattr(joining.frames_needed, "__defaults__", (joining.JoinParameters(same=30),))
 
 
 @pytest.mark.parametrize("words", [("--color", "ball.npz"), ("--pick", "60,60@5"), ("--color", "ball.npz", "--all")])
@@ -304,3 +308,121 @@ def test_options_of_a_batch_are_those_of_track() -> None:
     assert (asked.every, asked.most, asked.smooth) == (True, 3, True)
     assert options.source == "video.mp4"
     assert options.shown.no_video
+
+
+def cut_job(path: Path, **changed: object) -> Job:
+    """The job of a video that is to be cut."""
+    options = track_options(BatchOptions(videos=[], out="x"), str(path))
+    job = Job(video=str(path), folder="a", out="x", options=options, settings="s")
+    return msgspec.structs.replace(job, **changed)
+
+
+def test_a_worker_opens_what_is_to_be_cut(tmp_path: Path) -> None:
+    (job,) = parts.Parts(600.0).of(cut_job(tmp_path / "not_here.mp4"))
+    assert job.choosing
+
+
+@pytest.mark.parametrize(
+    ("length", "click", "count"),
+    [((3600.0, 30.0), "", 6), ((3600.0, 5.0), "", 1), ((0.0, 0.0), "", 1), ((3600.0, 30.0), "5,5@17500", 1)],
+)
+def test_what_cannot_be_joined_is_not_cut(
+    length: tuple[float, float], click: str, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(joining.frames_needed, "__defaults__", (JoinParameters(same=300),))
+    assert len(parts.Parts(600.0).of(cut_job(tmp_path / "a.mp4", length=length, click=click))) == count
+
+
+def test_a_click_behind_the_first_stretch(matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    short_overlap(monkeypatch)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    assert matchset("batch", path, "--out", "cut", "--pick", "60,60@400", "--split", 10) == 0
+    assert rows(Path("cut/videos.csv"))[0]["reason"] == ""
+    assert len(rows(Path("cut/long.mp4/tracks.csv"))) == 900
+
+
+def test_a_decoder_that_fails_when_the_length_is_asked_costs_one_video(
+    matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_: Job) -> tuple[float, float]:
+        raise cv2.error("bad header")
+
+    monkeypatch.setattr(work, "length_of", fail)
+    path = write_ball(tmp_path / "clips" / "long.mp4")
+    write_color(tmp_path / "ball.npz")
+    assert matchset("batch", path, "--out", "cut", "--color", "ball.npz", "--split", 60) == 1
+    assert rows(Path("cut/videos.csv"))[0]["reason"] == "bad header"
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_a_video_one_of_whose_stretches_fails_is_followed_whole(
+    matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missing: bool
+) -> None:
+    short_overlap(monkeypatch)
+    run_command, kept_table = work.run_command, counts.kept_table
+
+    def fail(options: Options) -> int:
+        if isinstance(options.silence, StretchOpening) and options.silence.stretch.number == 1:
+            raise ValueError("no jump in here")
+        return run_command(options)
+
+    def lose(store: Store, folder: str) -> tuple[str, bytes] | None:
+        return None if folder.endswith("0001") else kept_table(store, folder)
+
+    if missing:
+        monkeypatch.setattr(stretch_work, "kept_table", lose)
+    else:
+        monkeypatch.setattr(work, "run_command", fail)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    write_color(tmp_path / "ball.npz")
+    assert matchset("batch", path, "--out", "cut", "--color", "ball.npz", "--split", 10) == 0
+    why = "the results of long.mp4.0001 are not there" if missing else "a stretch failed: no jump in here"
+    assert rows(Path("cut/videos.csv"))[0]["reason"] == f"followed whole: {why}"
+    assert len(rows(Path("cut/long.mp4/tracks.csv"))) == 900
+    assert [each.name for each in Path("cut").iterdir() if each.is_dir() and each.name[0] != "."] == ["long.mp4"]
+
+
+def test_a_join_that_fails_takes_no_place_of_one_that_did_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_ball(tmp_path / "long.mp4")
+    with FolderStore(tmp_path / "out").begun("mark"):
+        stretches = Stretch(0, 0.0, 1.0), Stretch(1, 0.0, 2.0)
+        job = cut_job(path, out=str(tmp_path / "out"), mark="mark", parts=stretches)
+        write_color(tmp_path / "ball.npz")
+        target = msgspec.structs.replace(job.options.target, color=[tmp_path / "ball.npz"])
+        done = msgspec.structs.replace(job, parts=(), options=msgspec.structs.replace(job.options, target=target))
+
+        def twice(*_: object) -> int:
+            monkeypatch.undo()
+            assert work.do_job(done).state == "found"
+            raise RuntimeError("what was to be joined is gone")
+
+        monkeypatch.setattr(work, "join_stretches", twice)
+        assert work.do_job(job).state == "found"
+    assert len(rows(tmp_path / "out/a/tracks.csv")) == 12
+
+
+@pytest.mark.parametrize("url", [False, True])
+def test_a_video_that_was_joined_when_the_batch_was_killed_is_not_followed_again(
+    matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, url: bool
+) -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    short_overlap(monkeypatch)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    write_color(tmp_path / "ball.npz")
+    out = f"memory://{tmp_path.name}/cut" if url else str(tmp_path / "cut")
+    words = "batch", path, "--out", out, "--color", "ball.npz", "--split", 10
+    assert matchset(*words) == 0
+    store = store_at(out)
+    for name in store.names("manifest") if url else ():  # killed before the lines were written
+        store.write(f"manifest/{name}", (store.read(f"manifest/{name}") or b"").splitlines(keepends=True)[0])
+    if not url:
+        heading = (store.read("manifest.jsonl") or b"").splitlines(keepends=True)[0]
+        store.write("manifest.jsonl", heading)
+    for number in range(2):  # and before the stretches were removed
+        store.write(f"long.mp4.{number:04d}/run.json", b"{}")
+    given = list[Job]()
+    monkeypatch.setattr(HerePool, "give", lambda _, job: given.append(job))
+    assert matchset(*words) == 0
+    assert given == []
+    assert not store.names("long.mp4.0000")
+    assert not store.names("long.mp4.0001")

@@ -117,10 +117,13 @@ def cuts_between(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS)
         if not before.frame < after.frame + after.shift:
             raise MisfitError("two stretches overlap a third one at the same place")
     cycle, shifts = StretchParameters().cycle, itertools.accumulate(cut.shift for cut in cuts)
-    in_step = [
-        shift % cycle == 0 for shift in shifts
-    ]  # else its tracker did in other frames what it does in every n-th
+    in_step = [shift % cycle == 0 for shift in shifts]  # else what is done in every n-th frame was in others
     return [msgspec.structs.replace(cut, same=cut.same and fits) for cut, fits in zip(cuts, in_step, strict=True)]
+
+
+def frames_needed(parameters: JoinParameters = PARAMETERS) -> int:
+    """Return how many frames two stretches must have in common, at least, so that they may be joined."""
+    return parameters.same + StretchParameters().cycle
 
 
 def joined(parts: Sequence[Part], cuts: Sequence[Cut]) -> bytes:

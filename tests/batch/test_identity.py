@@ -65,3 +65,9 @@ def test_what_decides_about_results(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     path.write_text("two")
     assert digest() != every
     assert (digest(every=False) != deciding) is decides
+
+
+def test_the_release_of_opencv_decides_whichever_package_it_is_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = code_digest.__wrapped__(every=False)
+    monkeypatch.setattr("cv2.__version__", "0.0.1")
+    assert code_digest.__wrapped__(every=False) != before

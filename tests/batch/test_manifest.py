@@ -8,7 +8,7 @@ import pytest
 
 from matchset.batch.jobs.job import VideoOutcome
 from matchset.batch.results.manifest import Manifest
-from matchset.batch.results.store import FolderStore
+from matchset.batch.results.store import FolderStore, store_at
 
 
 def outcome(name: str) -> VideoOutcome:
@@ -38,3 +38,15 @@ def test_a_line_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyte
         assert manifest.is_done(outcome("a"), failed_too=False)
         assert manifest.is_done(outcome("c"), failed_too=False)
         assert not manifest.is_done(outcome("b"), failed_too=False)
+
+
+def test_a_batch_that_slept_takes_no_part_of_the_next_one(tmp_path: Path) -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    store = store_at(f"memory://{tmp_path.name}/slept")
+    with Manifest(store, Path("/v")) as slept:
+        slept.append(outcome("a"))
+        with Manifest(store, Path("/v")) as newer:
+            newer.append(outcome("b"))
+    with Manifest(store, Path("/v")) as manifest:
+        assert manifest.is_done(outcome("a"), failed_too=False)
+        assert manifest.is_done(outcome("b"), failed_too=False)

@@ -1,20 +1,27 @@
 """Long videos in stretches: the same frames as in one reading, identities that go on, stretches that do not fit."""
 
 import csv
+import re
 from pathlib import Path
 
+import cv2
+import msgspec
+import numpy as np
 import pytest
 
 from batched_videos import HerePool, write_ball, write_color
-from blue_ball import Matchset
+from blue_ball import Matchset, ball_picture
 from matchset.app.guidance.choice import BallChoice, choose
 from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
-from matchset.batch.jobs import choice
-from matchset.batch.jobs.video_options import track_options
+from matchset.batch.jobs import choice, counts, work
+from matchset.batch.jobs.job import Job, Stretch
+from matchset.batch.jobs.video_options import Options, track_options
 from matchset.batch.options import BatchOptions
-from matchset.batch.split import joining, parts
+from matchset.batch.results.store import FolderStore, Store, store_at
+from matchset.batch.split import joining, parts, stretch_work
 from matchset.batch.split.joining import JoinParameters, MisfitError, Part, cuts_between, joined
+from matchset.batch.split.opening import StretchOpening
 from matchset.media.video import Video
 from matchset.media.video_stretch import StretchMark, StretchParameters, VideoStretch
 from matchset.tracking.parameters import TrackerParameters
@@ -61,10 +68,33 @@ def test_nothing_is_left_of_a_video_that_ends_before(tmp_path: Path) -> None:
         assert list(stretch) == []
 
 
-def test_pictures_in_a_folder_have_no_stretches(tmp_path: Path) -> None:
-    import cv2
-    import numpy as np
+def write_broken(path: Path, frames: int, broken: range) -> Path:
+    """Write a video of a ball, some pictures of which do not decode."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    writer = cv2.VideoWriter(str(path), cv2.CAP_OPENCV_MJPEG, cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (160, 120))
+    for index in range(frames):
+        writer.write(ball_picture((60.0 + 20.0 * np.sin(0.05 * index), 60.0)))
+    writer.release()
+    data = bytearray(path.read_bytes())
+    begins = [match.start() for match in re.finditer(rb"\xff\xd8\xff", bytes(data))]
+    assert len(begins) == frames
+    for index in broken:
+        begin, end = begins[index], begins[index + 1] - 8  # format: a chunk's heading in an AVI
+        data[begin:end] = b"\x00" * (end - begin)
+    path.write_bytes(data)
+    return path
 
+
+def test_a_stretch_ends_where_the_whole_ends(tmp_path: Path) -> None:
+    path = write_broken(tmp_path / "broken.avi", 300, range(200, 212))
+    whole = [frame.index for frame in Video(path)]
+    assert whole == [*range(200), *range(212, 300)]
+    with VideoStretch(str(path), 4.0, float("inf"), lambda _: None) as stretch:
+        frames = [frame.index for frame in stretch]
+    assert frames == whole[whole.index(120) :]
+
+
+def test_pictures_in_a_folder_have_no_stretches(tmp_path: Path) -> None:
     for index in range(3):
         cv2.imwrite(str(tmp_path / f"{index}.png"), np.zeros((20, 20, 3), np.uint8))
     with pytest.raises(ValueError, match="cannot be read in stretches"):
@@ -75,6 +105,7 @@ def short_overlap(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parts, "PARAMETERS", parts.SplitParameters(overlap=4.0))
     monkeypatch.setattr(parts.Parts.__init__, "__defaults__", (None, parts.PARAMETERS))
     monkeypatch.setattr(joining.cuts_between, "__defaults__", (joining.JoinParameters(same=30),))
+    monkeypatch.setattr(joining.frames_needed, "__defaults__", (joining.JoinParameters(same=30),))
 
 
 @pytest.mark.parametrize("words", [("--color", "ball.npz"), ("--pick", "60,60@5"), ("--color", "ball.npz", "--all")])
@@ -189,11 +220,79 @@ def test_frames_in_which_nobody_is_seen_neither_count_nor_end_a_run() -> None:
 
 
 def test_three_stretches_with_other_numbers() -> None:
-    stretches = [part(range(first, first + 100), {"3": 20.0}, shift=k) for k, first in enumerate((0, 60, 120))]
+    cycle = StretchParameters().cycle
+    stretches = [part(range(first, first + 100), {"3": 20.0}, shift=k * cycle) for k, first in enumerate((0, 60, 120))]
     lines = table_of(stretches)
     assert [int(line[0]) for line in lines] == list(range(220))
     assert {line[6] for line in lines} == {"3"}
     assert agree(*stretches) == [True, True]
+
+
+def test_a_tracker_that_counted_other_frames_is_not_joined() -> None:
+    shifts = 0, StretchParameters().cycle + 1, 1
+    stretches = [part(range(60 * k, 60 * k + 100), {"0": 20.0}, shift=shift) for k, shift in enumerate(shifts)]
+    assert agree(*stretches) == [False, False]
+    shifts = 0, StretchParameters().cycle + 1, 2 * StretchParameters().cycle
+    stretches = [part(range(60 * k, 60 * k + 100), {"0": 20.0}, shift=shift) for k, shift in enumerate(shifts)]
+    assert agree(*stretches) == [False, True]  # of the last one all numbers together count
+
+
+def test_rows_that_differ_later_in_the_overlap_count() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"0": 20.0})
+    one.rows[80][0][3] = "20.1"
+    assert [(cut.frame, cut.same) for cut in cuts_between([one, other], SHORT)] == [(95, True)]
+    one.rows[90][0][3] = "20.1"
+    assert agree(one, other) == [False]
+
+
+def test_other_or_missing_pictures_end_a_run() -> None:
+    one, other = part(range(120), {"0": 20.0}), part(range(60, 200), {"0": 20.0})
+    one.marks[80] = msgspec.structs.replace(one.marks[80], checksum=5)
+    assert [(cut.frame, cut.same) for cut in cuts_between([one, other], SHORT)] == [(95, True)]
+    del one.marks[110]
+    assert agree(one, other) == [False]
+
+
+def row(frame: int, name: str, place: float, found: bool, alternatives: str = "", reason: str = "") -> list[str]:
+    """A row of a target, also of one that is not seen."""
+    cells = [f"{place}", "50.0", "10.0"] if found else ["", "", ""]
+    return [str(frame), f"{frame / 30:.6f}", str(int(found)), *cells, name, "0", alternatives, reason]
+
+
+def two_with_names(names: dict[str, str]) -> Part:
+    """A stretch of three targets, by names; the third is hidden behind the second, or comes later."""
+    late = range(60, 200) if names["0"] != "0" else range(100)
+    stretch = part(late, {})
+    stretch.names = [*HEADING.split(","), "reason"]
+    for frame in late:
+        seen = [row(frame, names["0"], 20.0, True, names["1"]), row(frame, names["1"], 80.0, True)]
+        if frame < 68:
+            last = row(frame, names["2"], 140.0, True)
+        else:
+            last = row(frame, names["2"], 140.0, False, reason=f"hidden behind target {names['1']}")
+        stretch.rows[frame] = sorted([*seen, last], key=lambda each: each[6])
+    return stretch
+
+
+def test_targets_have_the_names_of_the_earlier_stretch_wherever_they_are_named() -> None:
+    one, other = two_with_names({"0": "0", "1": "1", "2": "2"}), two_with_names({"0": "2", "1": "0", "2": "1"})
+    assert agree(one, other) == [True]
+    lines = table_of([one, other])
+    for frame in range(200):
+        rows_of = [line for line in lines if line[0] == str(frame)]
+        assert [line[6] for line in rows_of] == ["0", "1", "2"]
+        assert rows_of[0][8] == "1"
+        assert rows_of[2][9] == ("" if frame < 68 else "hidden behind target 1")
+
+
+def test_names_in_rows_that_are_thrown_away_do_not_count() -> None:
+    one, other = part(range(100), {"0": 20.0}), part(range(60, 200), {"5": 20.0})
+    other.rows[61].append([*other.rows[61][0][:3], "140.0", "50.0", "10.0", "7", "0", ""])
+    third = part(range(160, 300), {"0": 20.0})
+    for frame in range(250, 300):
+        third.rows[frame].append([*third.rows[frame][0][:3], "140.0", "50.0", "10.0", "1", "0", ""])
+    assert agree(one, other, third) == [True, True]
+    assert {line[6] for line in table_of([one, other, third])} == {"0", "1"}
 
 
 @pytest.mark.parametrize("other", [part(range(60, 200), {"0": 20.0}, first=1), part(range(100, 200), {"0": 20.0})])
@@ -209,3 +308,121 @@ def test_options_of_a_batch_are_those_of_track() -> None:
     assert (asked.every, asked.most, asked.smooth) == (True, 3, True)
     assert options.source == "video.mp4"
     assert options.shown.no_video
+
+
+def cut_job(path: Path, **changed: object) -> Job:
+    """The job of a video that is to be cut."""
+    options = track_options(BatchOptions(videos=[], out="x"), str(path))
+    job = Job(video=str(path), folder="a", out="x", options=options, settings="s")
+    return msgspec.structs.replace(job, **changed)
+
+
+def test_a_worker_opens_what_is_to_be_cut(tmp_path: Path) -> None:
+    (job,) = parts.Parts(600.0).of(cut_job(tmp_path / "not_here.mp4"))
+    assert job.choosing
+
+
+@pytest.mark.parametrize(
+    ("length", "click", "count"),
+    [((3600.0, 30.0), "", 6), ((3600.0, 5.0), "", 1), ((0.0, 0.0), "", 1), ((3600.0, 30.0), "5,5@17500", 1)],
+)
+def test_what_cannot_be_joined_is_not_cut(
+    length: tuple[float, float], click: str, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(joining.frames_needed, "__defaults__", (JoinParameters(same=300),))
+    assert len(parts.Parts(600.0).of(cut_job(tmp_path / "a.mp4", length=length, click=click))) == count
+
+
+def test_a_click_behind_the_first_stretch(matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    short_overlap(monkeypatch)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    assert matchset("batch", path, "--out", "cut", "--pick", "60,60@400", "--split", 10) == 0
+    assert rows(Path("cut/videos.csv"))[0]["reason"] == ""
+    assert len(rows(Path("cut/long.mp4/tracks.csv"))) == 900
+
+
+def test_a_decoder_that_fails_when_the_length_is_asked_costs_one_video(
+    matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_: Job) -> tuple[float, float]:
+        raise cv2.error("bad header")
+
+    monkeypatch.setattr(work, "length_of", fail)
+    path = write_ball(tmp_path / "clips" / "long.mp4")
+    write_color(tmp_path / "ball.npz")
+    assert matchset("batch", path, "--out", "cut", "--color", "ball.npz", "--split", 60) == 1
+    assert rows(Path("cut/videos.csv"))[0]["reason"] == "bad header"
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_a_video_one_of_whose_stretches_fails_is_followed_whole(
+    matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missing: bool
+) -> None:
+    short_overlap(monkeypatch)
+    run_command, kept_table = work.run_command, counts.kept_table
+
+    def fail(options: Options) -> int:
+        if isinstance(options.silence, StretchOpening) and options.silence.stretch.number == 1:
+            raise ValueError("no jump in here")
+        return run_command(options)
+
+    def lose(store: Store, folder: str) -> tuple[str, bytes] | None:
+        return None if folder.endswith("0001") else kept_table(store, folder)
+
+    if missing:
+        monkeypatch.setattr(stretch_work, "kept_table", lose)
+    else:
+        monkeypatch.setattr(work, "run_command", fail)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    write_color(tmp_path / "ball.npz")
+    assert matchset("batch", path, "--out", "cut", "--color", "ball.npz", "--split", 10) == 0
+    why = "the results of long.mp4.0001 are not there" if missing else "a stretch failed: no jump in here"
+    assert rows(Path("cut/videos.csv"))[0]["reason"] == f"followed whole: {why}"
+    assert len(rows(Path("cut/long.mp4/tracks.csv"))) == 900
+    assert [each.name for each in Path("cut").iterdir() if each.is_dir() and each.name[0] != "."] == ["long.mp4"]
+
+
+def test_a_join_that_fails_takes_no_place_of_one_that_did_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_ball(tmp_path / "long.mp4")
+    with FolderStore(tmp_path / "out").begun("mark"):
+        stretches = Stretch(0, 0.0, 1.0), Stretch(1, 0.0, 2.0)
+        job = cut_job(path, out=str(tmp_path / "out"), mark="mark", parts=stretches)
+        write_color(tmp_path / "ball.npz")
+        target = msgspec.structs.replace(job.options.target, color=[tmp_path / "ball.npz"])
+        done = msgspec.structs.replace(job, parts=(), options=msgspec.structs.replace(job.options, target=target))
+
+        def twice(*_: object) -> int:
+            monkeypatch.undo()
+            assert work.do_job(done).state == "found"
+            raise RuntimeError("what was to be joined is gone")
+
+        monkeypatch.setattr(work, "join_stretches", twice)
+        assert work.do_job(job).state == "found"
+    assert len(rows(tmp_path / "out/a/tracks.csv")) == 12
+
+
+@pytest.mark.parametrize("url", [False, True])
+def test_a_video_that_was_joined_when_the_batch_was_killed_is_not_followed_again(
+    matchset: Matchset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, url: bool
+) -> None:
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    short_overlap(monkeypatch)
+    path = write_ball(tmp_path / "clips" / "long.mp4", frames=900)
+    write_color(tmp_path / "ball.npz")
+    out = f"memory://{tmp_path.name}/cut" if url else str(tmp_path / "cut")
+    words = "batch", path, "--out", out, "--color", "ball.npz", "--split", 10
+    assert matchset(*words) == 0
+    store = store_at(out)
+    for name in store.names("manifest") if url else ():  # killed before the lines were written
+        store.write(f"manifest/{name}", (store.read(f"manifest/{name}") or b"").splitlines(keepends=True)[0])
+    if not url:
+        heading = (store.read("manifest.jsonl") or b"").splitlines(keepends=True)[0]
+        store.write("manifest.jsonl", heading)
+    for number in range(2):  # and before the stretches were removed
+        store.write(f"long.mp4.{number:04d}/run.json", b"{}")
+    given = list[Job]()
+    monkeypatch.setattr(HerePool, "give", lambda _, job: given.append(job))
+    assert matchset(*words) == 0
+    assert given == []
+    assert not store.names("long.mp4.0000")
+    assert not store.names("long.mp4.0001")

@@ -81,6 +81,46 @@ def test_what_says_that_files_are_whole_comes_last(tmp_path: Path, monkeypatch: 
     assert written == ["a.txt", "tracks.csv", "why.png", "run.json"]
 
 
+def test_what_is_not_of_a_batch_is_not_replaced(store: Store) -> None:
+    store.write("a/b/tracks.csv", b"mine")
+    with pytest.raises(ValueError, match="is not of a batch: choose another --out"):
+        keep(store, tracks_csv="1", run_json="3")
+    assert store.read("a/b/tracks.csv") == b"mine"
+
+
+def test_what_is_half_written_at_a_url_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fsspec = pytest.importorskip("fsspec", reason="fsspec is not installed")
+    store = store_at(f"memory://{tmp_path.name}/half")
+    memory = fsspec.get_filesystem_class("memory")
+    put_file, written = memory.put_file, list[str]()
+
+    def put_one(files: object, path: str, name: str, **more: object) -> None:
+        if written:
+            raise RuntimeError("cut off")
+        written.append(name.rpartition("/")[2])
+        put_file(files, path, name, **more)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(memory, "put_file", put_one)
+        with pytest.raises(OSError, match="cut off"):
+            keep(store, a_csv="1", log_txt="2", run_json="3")
+    assert written == store.names("a/b") == ["log.txt"]
+    keep(store, a_csv="1", log_txt="2", run_json="3")
+    assert store.names("a/b") == ["a.csv", "log.txt", "run.json"]
+
+
+@pytest.mark.parametrize("name", ["videos.csv", "all.csv", "summary.html", "clicks.csv"])
+def test_files_of_somebody_else_in_the_place_of_results_stay(
+    matchset: Matchset, tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    clips, color = write_balls(tmp_path / "clips", 1), write_color(tmp_path / "ball.npz")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("mine")
+    assert matchset("batch", clips, "--out", tmp_path / "out", "--color", color) == 2
+    assert f"has {name}, but no batch has written there" in capsys.readouterr().err
+    assert (tmp_path / "out" / name).read_text() == "mine"
+
+
 def test_files(store: Store, tmp_path: Path) -> None:
     assert store.read("x/y.txt") is None
     store.write("x/y.txt", b"one")

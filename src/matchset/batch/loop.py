@@ -77,15 +77,12 @@ class Batch:
             self._queue.append(answer.job)
             return
         if answer.outcome.state == "chosen":
-            click = answer.outcome.click
-            self._queue += self._parts.of(msgspec.structs.replace(answer.job, choosing=False, click=click))
+            known = {"click": answer.outcome.click, "length": answer.outcome.length or (0.0, 0.0)}
+            self._queue += self._parts.of(msgspec.structs.replace(answer.job, choosing=False, **known))
             return
         if answer.job.stretch is not None:
             ended = self._parts.ended(answer.job, answer.outcome)
-            if isinstance(ended, VideoOutcome):
-                self._note(ended)
-            elif ended is not None:
-                self._queue.append(ended)
+            self._queue += [] if ended is None else [ended]
             return
         self._note(answer.outcome)
 
@@ -97,14 +94,15 @@ class Batch:
 
     def _clicked(self) -> list[Job]:
         """Return the jobs of videos in which somebody has clicked since."""
-        jobs = list[Job]()
+        jobs, count = list[Job](), 0
         for click in self._clicker.clicks():
             video = real_name(click.video)
             self._plan.choice.add(click.folder, click.pick)
             try:
-                jobs.append(self._plan.again(video, click.folder))
+                jobs += self._parts.of(self._plan.again(video, click.folder))
+                count += 1
             except ValueError as error:
                 print_note(f"{click.video}: {error}")
         asked = self._counts.states.get("doubtful", 0)
-        self._counts.states["doubtful"] = max(asked - len(jobs), 0)
+        self._counts.states["doubtful"] = max(asked - count, 0)
         return jobs

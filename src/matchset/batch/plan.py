@@ -15,6 +15,7 @@ from matchset.batch.jobs.work import kept_outcome
 from matchset.batch.options import BatchOptions
 from matchset.batch.results.manifest import Manifest
 from matchset.batch.results.store import FolderStore, Store
+from matchset.batch.split.stretch_work import remove_stretches
 
 
 class Plan:
@@ -115,9 +116,11 @@ class Plan:
             return self._unless_known(failed, problem)
         if self._manifest.is_done(msgspec.structs.replace(failed, settings=job.settings), not self._retry):
             return None
-        if not isinstance(self._store, FolderStore):  # asking takes as long as handing it out, and a worker looks, too
-            return job
+        if not isinstance(self._store, FolderStore) and self.split is None:
+            return job  # asking takes as long as handing it out, and a worker looks, too, unless it is cut
         kept = kept_outcome(self._store, job)  # a batch that was killed between both
+        if kept is not None and self.split is not None:
+            remove_stretches(self._store, folder)
         if kept is not None and (kept.size, kept.modified) == (size, modified) and kept.video == name:
             return kept if kept.state in DONE or not self._retry else job
         return job

@@ -15,10 +15,10 @@ from matchset.batch.loop import Batch
 from matchset.batch.options import BatchOptions
 from matchset.batch.plan import Plan
 from matchset.batch.progress import BatchCounts, BatchDisplay
-from matchset.batch.results.lock import lock_of
-from matchset.batch.results.manifest import Manifest
-from matchset.batch.results.report import write_report
-from matchset.batch.results.store import FolderStore, Store, SupersededError, store_at
+from matchset.batch.results.lock import LOCK, lock_of
+from matchset.batch.results.manifest import FILE, PARTS, Manifest
+from matchset.batch.results.report import REPORTS, write_report
+from matchset.batch.results.store import MARK, FolderStore, Store, SupersededError, store_at
 from matchset.batch.split.parts import check_split
 from matchset.batch.workers.dask_cluster import DaskCluster
 from matchset.batch.workers.pool import Pool
@@ -46,6 +46,7 @@ def run_batch(options: BatchOptions) -> int:
     store, out = opened_store(options.out)
     if os.path.realpath(out) == os.path.realpath(videos.common):
         raise ValueError(f"--out is the folder of the videos, {videos.common}: give the results one of their own")
+    check_place(store, out)
     choice = chosen_with(options, store)
     with lock_of(store, out), Manifest(store, videos.common) as manifest, StopRequest() as stop:
         plan = Plan(videos, choice, store, manifest, out, options)
@@ -63,6 +64,14 @@ def run_batch(options: BatchOptions) -> int:
                 return stop.code
             total = write_report(store, manifest, plan)
     return FOUND if total.good else NOT_FOUND
+
+
+def check_place(store: Store, out: str) -> None:
+    """Refuse a place with files that a batch would replace, if no batch has begun there (ValueError)."""
+    names = set(store.names(""))
+    own = sorted(names & {CLICKS, *REPORTS})
+    if own and not names & {FILE, MARK, LOCK} and not store.names(PARTS):
+        raise ValueError(f"{out} has {own[0]}, but no batch has written there: choose another --out")
 
 
 def chosen_with(options: BatchOptions, store: Store) -> TargetChoice:

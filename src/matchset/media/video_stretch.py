@@ -20,14 +20,11 @@ class StretchParameters(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    failures : int
-        Pictures one after the other that do not decode at the end of a stretch, from which on the file has ended.
     cycle : int
         After a jump frames are left out up to a multiple of so many: what a tracker does in every third, tenth or
         thirtieth frame it then does in the same frames as one that has read all. 1: none is left out.
     """
 
-    failures: int = 8
     cycle: int = 60
 
 
@@ -116,7 +113,7 @@ class VideoStretch(StampedVideo):
     def _after_jump(self, capture: Capture) -> Frame:
         """Return the next frame that decodes, counted from the first one, whose number its time stamp says about."""
         recording, failures, begun = self._recording, 0, self._index >= 0
-        while failures < PARAMETERS.failures:
+        while failures < recording.failures_from(self._index - failures + 1):  # as one that has read all
             grabbed = capture.grab()
             stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             self._index = round(stamp * (self.fps or 1.0)) if self._index < 0 else self._index + 1

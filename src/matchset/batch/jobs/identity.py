@@ -31,7 +31,10 @@ def code_digest(every: bool = True) -> str:
         name = path.relative_to(PACKAGE).as_posix()
         if every or not APART.match(name):
             digest.update(name.encode() + b"\0" + path.read_bytes())
-    libraries = [f"{name} {_version(name)}" for name in ("numpy", "scipy", "numba", "opencv-python-headless", "av")]
+    import cv2  # of whichever package it is
+
+    libraries = [f"{name} {_version(name)}" for name in ("numpy", "scipy", "numba", "av")]
+    libraries.append(f"cv2 {cv2.__version__}")
     digest.update(repr(libraries).encode())
     return f"{_version('matchset')} {digest.hexdigest()[:16]}"
 

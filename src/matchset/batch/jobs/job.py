@@ -48,7 +48,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     auto : bool
         Whether the worker chooses what is most likely the ball.
     choosing : bool
-        Whether it does nothing else: what comes of it is for all stretches of a video.
+        Whether it does nothing else, and says how long the video is: what comes of it is for all its stretches.
     click : str
         What was chosen so, X,Y@FRAME.
     settings : str
@@ -63,6 +63,10 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         Which part of a long video.
     parts : tuple of Stretch
         The stretches that are to be joined; none: it is done in one.
+    whole : str
+        Why its stretches are not joined, and it is followed whole; empty if they are.
+    length : tuple of two floats, or None
+        How long it is, s, and its frames per second, if that is known; a job that is `choosing` asks for it.
     seconds : float
         What its stretches have taken, s.
     """
@@ -80,6 +84,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     size: int = 0
     stretch: Stretch | None = None
     parts: tuple[Stretch, ...] = ()
+    whole: str = ""
+    length: tuple[float, float] | None = None
     seconds: float = 0.0
 
 
@@ -107,6 +113,8 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
         Check sum of its table (CRC-32): one that has another is not what was noted.
     click : str
         Where it was clicked by `--auto`, X,Y@FRAME.
+    length : tuple of two floats
+        Of one that was chosen: how long it is, s, and its frames per second; (0, 0) if that is not known.
     """
 
     video: str
@@ -123,6 +131,7 @@ class VideoOutcome(msgspec.Struct, frozen=True, kw_only=True):
     content: str = ""
     table: str = ""
     click: str = ""
+    length: tuple[float, float] | msgspec.UnsetType = msgspec.UNSET
 
     @property
     def share(self) -> float:

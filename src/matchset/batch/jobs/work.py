@@ -19,12 +19,11 @@ from matchset.batch.jobs.job import DONE, Job, State, Stretch, VideoOutcome
 from matchset.batch.jobs.video_options import Options
 from matchset.batch.jobs.videos import plain_name, plain_words
 from matchset.batch.jobs.watch import Watch
-from matchset.batch.results.store import RUN, Store, SupersededError, store_at
+from matchset.batch.results.store import LOG, RUN, Store, SupersededError, store_at
 from matchset.batch.split.joining import MisfitError
+from matchset.batch.split.parts import length_of
 from matchset.batch.split.stretch_work import join_stretches, stretch_options
 from matchset.image.errors import LinkError
-
-LOG = "log.txt"  # format: in the folder of a video's results
 
 
 class UnfitWorkerError(LinkError):
@@ -86,6 +85,9 @@ def do_job(job: Job) -> VideoOutcome:
                 outcome = _run(job, folder, store)
             if outcome.state == "stopped" and not store.is_current():
                 raise SupersededError(job.out)
+            known = kept_outcome(store, job) if job.parts and outcome.state == "failed" else None
+            if known is not None and known.content == content and known.state in DONE:  # by another worker meanwhile
+                return msgspec.structs.replace(known, size=size, modified=modified, video=plain_name(job.video))
             seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
             if stat_of(job.video) != (size, modified):  # so the same command does it again
@@ -96,7 +98,7 @@ def do_job(job: Job) -> VideoOutcome:
                 _name_results(folder / LOG, folder, job.folder)
                 (folder / RUN).write_bytes(msgspec.json.encode(outcome))
                 store.keep(folder, job.folder)
-                for stretch in job.parts:
+                for stretch in reversed(job.parts):  # `remove_stretches` goes on from the first one
                     store.remove(stretch.folder_in(job.folder))
     except OSError as error:
         if is_full(error):
@@ -157,7 +159,8 @@ def _run(job: Job, folder: Path, store: Store) -> VideoOutcome:
             if chosen.doubt:
                 return _outcome(job, "doubtful", chosen.doubt, click=chosen.click)
             if job.choosing:
-                return _outcome(job, "chosen", chosen.words, click=chosen.click)
+                outcome = _outcome(job, "chosen", chosen.words, click=chosen.click)
+                return msgspec.structs.replace(outcome, length=length_of(job))
             code, words = _joined(job, chosen.options, folder, store) if job.parts else (None, "")
             chosen = msgspec.structs.replace(chosen, words="; ".join(filter(None, (chosen.words, words))))
             if code is None:

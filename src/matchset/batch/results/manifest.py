@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import re
+import secrets
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +20,7 @@ from matchset.media.closing import Closing
 
 FORMAT = 1  # format: of the manifest
 FILE, PARTS = "manifest.jsonl", "manifest"
-PART = re.compile(r"\d{8}\.jsonl")
+PART = re.compile(r"\d{8}(-[0-9a-f]{8})?\.jsonl")
 
 
 class ManifestParameters(msgspec.Struct, frozen=True):
@@ -74,6 +75,9 @@ class Manifest(Closing):
 
     def __init__(self, store: Store, root: Path) -> None:
         self._store, self._waiting, self._parts = store, list[bytes](), 0
+        self._own = secrets.token_hex(
+            4
+        )  # in the names of parts: a batch that slept takes none of those of the next one
         self._ended: dict[int, tuple[bytes, bool]] = {}  # of each folder the last: what it was, and whether it is done
         self._dropped = 0
         heading: Heading | None = None
@@ -151,7 +155,7 @@ class Manifest(Closing):
 
     def _flush(self) -> None:
         if self._waiting and self._file is None:
-            self._store.write(f"{PARTS}/{self._parts:08d}.jsonl", b"".join(self._waiting))
+            self._store.write(f"{PARTS}/{self._parts:08d}-{self._own}.jsonl", b"".join(self._waiting))
             self._parts, self._waiting = self._parts + 1, []
 
     def _lines(self) -> Iterator[bytes]:
@@ -163,7 +167,7 @@ class Manifest(Closing):
                     yield from (line for line in file if line.endswith(b"\n"))
             return
         for name in filter(PART.fullmatch, self._store.names(PARTS)):
-            self._parts = max(self._parts, int(name.split(".")[0]) + 1)
+            self._parts = max(self._parts, int(name[:8]) + 1)
             yield from (self._store.read(f"{PARTS}/{name}") or b"").splitlines()
 
 

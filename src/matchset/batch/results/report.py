@@ -17,6 +17,7 @@ from matchset.batch.results.page import write_page
 from matchset.batch.results.store import Store
 
 COLUMNS = "video", "state", "frames", "found", "share", "seconds", "reason", "click", "worker", "path"
+REPORTS = "videos.csv", "all.csv", "all.parquet", "summary.html"  # format: what is written here, in `--out` itself
 BINS = 10  # geometry: bars of the histogram
 
 

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from matchset.image.files.whole_file import write_whole
 
-RUN = "run.json"
+RUN, LOG = "run.json", "log.txt"
 UNFINISHED = ".unfinished"
 MARK = "batch-mark"  # format: file at a URL, which says whose workers may write
 TAKEN = errno.ENOTEMPTY, errno.EEXIST  # format: a folder has that name
@@ -273,12 +273,18 @@ class RemoteStore:
     def keep(self, folder: Path, name: str) -> None:
         """See `Store`."""
         paths = [path for path in sorted(folder.iterdir()) if path.name != RUN]
-        old = set(self.names(name)) - {path.name for path in paths}
+        found = set(self.names(name))
+        if found and not found & {RUN, LOG}:
+            raise ValueError(f"{self._url}/{name} is not of a batch: choose another --out")
+        old = found - {path.name for path in paths}
         self._check()
         for each in sorted(old, key=lambda each: each != RUN):  # what is being replaced is not finished any more
             with contextlib.suppress(FileNotFoundError):  # another worker that was given the same video
                 self._do("rm_file", self._at(f"{name}/{each}"))
-        self._put(paths, name)
+        logs = [path for path in paths if path.name == LOG]  # first: it says of what is half written whose it is
+        if logs:
+            self._put(logs, name)
+        self._put([path for path in paths if path not in logs], name)
         self._check()
         self._put([folder / RUN], name)
 

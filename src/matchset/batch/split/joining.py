@@ -7,16 +7,18 @@ import csv
 import io
 import itertools
 import math
+import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import msgspec
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from matchset.media.video_stretch import StretchMark
+from matchset.media.video_stretch import StretchMark, StretchParameters
 
 TIME_STEP = 1e-6  # format: of the times in tables, s
+BEHIND = re.compile(r"(?<=\bbehind target )\d+")  # format: an identity in the words of `tracking.many`
 
 
 class MisfitError(ValueError):
@@ -32,7 +34,8 @@ class JoinParameters(msgspec.Struct, frozen=True):
         Pictures that must be the same. More: not satisfied by still pictures alone; needs a longer overlap.
     same : int
         Frames with a target that is seen whose rows must be the same in both, one after the other, where one goes over
-        into the other. More: it is surer that they stay the same, and more often the overlap ends first.
+        into the other; from there on they must be to the end of the overlap. More: it is surer that they stay the
+        same, and more often the overlap ends first.
     near : float
         Targets of both are one if their places differ by less than so many radii, in most of the frames.
     """
@@ -85,7 +88,7 @@ class Cut(msgspec.Struct, frozen=True):
     shift : int
         What is to be added to the numbers of its frames.
     same : bool
-        Whether the rows of both are the same there.
+        Whether the rows of both are the same from there to the end of the overlap.
     names : dict of str to str
         The identities of its targets in the earlier one.
     """
@@ -113,7 +116,14 @@ def cuts_between(parts: Sequence[Part], parameters: JoinParameters = PARAMETERS)
     for before, after in itertools.pairwise(cuts):
         if not before.frame < after.frame + after.shift:
             raise MisfitError("two stretches overlap a third one at the same place")
-    return cuts
+    cycle, shifts = StretchParameters().cycle, itertools.accumulate(cut.shift for cut in cuts)
+    in_step = [shift % cycle == 0 for shift in shifts]  # else what is done in every n-th frame was in others
+    return [msgspec.structs.replace(cut, same=cut.same and fits) for cut, fits in zip(cuts, in_step, strict=True)]
+
+
+def frames_needed(parameters: JoinParameters = PARAMETERS) -> int:
+    """Return how many frames two stretches must have in common, at least, so that they may be joined."""
+    return parameters.same + StretchParameters().cycle
 
 
 def joined(parts: Sequence[Part], cuts: Sequence[Cut]) -> bytes:
@@ -135,7 +145,7 @@ def joined(parts: Sequence[Part], cuts: Sequence[Cut]) -> bytes:
         for frame, rows in part.rows.items():
             if begin <= frame < end:
                 writer.writerows(_renamed(part, rows, frame + shift, names))
-        used = _used(part, names, used)
+        used = _used(part, names, used, begin, end)
         if cut is not None:
             names = _next_names(parts[number + 1], cut, names, used)
             begin, shift = cut.frame, shift + cut.shift
@@ -152,23 +162,32 @@ def cut_between(one: Part, other: Part, parameters: JoinParameters = PARAMETERS)
     """
     shift, common = _shift(one, other, parameters)
     names = _same_targets(one, other, shift, common, parameters)
-    run = 0
-    for frame in common:
+    marks, others = {mark.index - shift: mark for mark in one.marks}, {mark.index: mark for mark in other.marks}
+    run, place = 0, None
+    for frame in range(common[0], min(max(marks), max(others)) + 1):
         before, after = one.rows.get(frame + shift, []), other.rows.get(frame, [])
-        if _comparable(one, before, {}) != _comparable(other, after, names):
-            run = 0
+        pictures = marks.get(frame), others.get(frame)
+        if not _same_picture(*pictures) or _comparable(one, before, {}) != _comparable(other, after, names):
+            run, place = 0, None
         elif _any_seen(other, after):
             run += 1
-        if run >= parameters.same:
-            return Cut(frame, shift, True, names)
-    return Cut(common[-1], shift, False, names)
+        if run >= parameters.same and place is None:
+            place = frame
+    return Cut(common[-1] if place is None else place, shift, place is not None, names)
+
+
+def _same_picture(one: StretchMark | None, other: StretchMark | None) -> bool:
+    """Whether a frame is the same in both stretches, or decodes in neither."""
+    if one is None or other is None:
+        return one is other
+    return one.stamp == other.stamp and one.checksum == other.checksum and abs(one.time - other.time) < TIME_STEP
 
 
 def _shift(one: Part, other: Part, parameters: JoinParameters) -> tuple[int, list[int]]:
     """Return what is to be added to the frames' numbers of the later part, and its frames that the earlier one has."""
     places = {mark.stamp: mark for mark in one.marks}
     pairs = [(places[mark.stamp], mark) for mark in other.marks if mark.stamp in places]
-    same = [(a, b) for a, b in pairs if a.checksum == b.checksum and abs(a.time - b.time) < TIME_STEP]
+    same = [(a, b) for a, b in pairs if _same_picture(a, b)]
     shifts = Counter(a.index - b.index for a, b in same)
     shift, count = shifts.most_common(1)[0] if shifts else (0, 0)
     common = [b.index for a, b in same if a.index - b.index == shift]
@@ -182,8 +201,19 @@ def _comparable(part: Part, rows: Sequence[Row], names: dict[str, str]) -> list[
     identity = part.column("identity")
     if identity is None:
         return [row[2:] for row in rows]
-    own = [names.get(row[identity], "new") if names else row[identity] for row in rows]
-    return sorted([name, *row[2:identity], *row[identity + 1 :]] for name, row in zip(own, rows, strict=True))
+    return sorted(_with_names(part, row, lambda name: names.get(name, "new") if names else name)[2:] for row in rows)
+
+
+def _with_names(part: Part, row: Row, name_of: Callable[[str], str]) -> Row:
+    """Return a row with other identities, wherever it names one."""
+    changed = list(row)
+    for name in ("identity", "alternatives", "reason"):
+        column = part.column(name)
+        if column is not None and name == "reason":
+            changed[column] = BEHIND.sub(lambda found: name_of(found[0]), row[column])
+        elif column is not None:
+            changed[column] = " ".join(sorted(map(name_of, row[column].split()), key=lambda each: (len(each), each)))
+    return changed
 
 
 def _any_seen(part: Part, rows: Sequence[Row]) -> bool:
@@ -229,22 +259,20 @@ def _places(part: Part, rows: Sequence[Row]) -> Iterator[tuple[str, float, float
 
 def _renamed(part: Part, rows: Sequence[Row], frame: int, names: dict[str, str]) -> Iterator[Row]:
     """Yield the rows of a frame with its number and the identities in the whole video."""
-    identity, others = part.column("identity"), part.column("alternatives")
+    identity = part.column("identity")
+    if identity is not None and names:
+        changed = [_with_names(part, row, lambda name: names.get(name, name)) for row in rows]
+        rows = sorted(changed, key=lambda row: int(row[identity]))
     for row in rows:
-        changed = [str(frame), *row[1:]]
-        if identity is not None and names:
-            changed[identity] = names.get(row[identity], row[identity])
-            if others is not None:
-                changed[others] = " ".join(names.get(each, each) for each in row[others].split())
-        yield changed
+        yield [str(frame), *row[1:]]
 
 
-def _used(part: Part, names: dict[str, str], used: int) -> int:
-    """Return how many identities the whole video has used so far."""
+def _used(part: Part, names: dict[str, str], used: int, begin: float, end: float) -> int:
+    """Return how many identities the whole video has used up to the end of what is taken of a stretch."""
     identity = part.column("identity")
     if identity is None:
         return 0
-    own = {row[identity] for rows in part.rows.values() for row in rows}
+    own = {row[identity] for frame, rows in part.rows.items() if begin <= frame < end for row in rows}
     return max([used, *(int(names.get(each, each)) + 1 for each in own)])
 
 
@@ -254,6 +282,7 @@ def _next_names(part: Part, cut: Cut, names: dict[str, str], used: int) -> dict[
     if identity is None:
         return {}
     found = {new: names.get(old, old) for new, old in cut.names.items()}
+    used = max([used, *(int(each) + 1 for each in found.values())])
     for frame in sorted(part.rows):
         for row in part.rows[frame] if frame >= cut.frame else ():
             if row[identity] not in found:

@@ -2,8 +2,10 @@
 
 import msgspec
 
+from matchset.app.target.target_options import parse_candidate, parse_pick
 from matchset.batch.jobs.job import DONE, Job, Stretch, VideoOutcome
 from matchset.batch.options import BatchOptions
+from matchset.batch.split.joining import frames_needed
 from matchset.media.frame_list import StampedVideo
 
 
@@ -67,14 +69,17 @@ class Parts:
         self._waiting: dict[str, _Waiting] = {}
 
     def of(self, job: Job) -> list[Job]:
-        """Return the jobs of the stretches of a video, or that which chooses what they follow, or its own job."""
+        """Return the jobs of the stretches of a video, or that which asks what they follow, or its own job."""
         clicked = len(job.options.target.picks or ()) > 1 and not job.options.several.every  # each is one of its own
-        duration = 0.0 if self._length is None or clicked else duration_of(job)
-        if self._length is None or duration < 2.0 * self._parameters.shortest * self._length:
+        if self._length is None or clicked:
             return [job]
-        if job.auto and not job.click:  # once, the same for all stretches
+        if job.length is None:  # a worker opens it: whatever a file does to a decoder
             return [msgspec.structs.replace(job, choosing=True)]
+        (duration, rate), overlap = job.length, self._parameters.overlap
         count = max(round(duration / self._length), 2)
+        too_short = duration < 2.0 * self._parameters.shortest * self._length or rate * overlap < frames_needed()
+        if too_short or frame_of_click(job) > rate * (duration / count - overlap):
+            return [job]
         stretches = tuple(self._stretch(k, count, duration) for k in range(count))
         self._waiting[job.video] = _Waiting(msgspec.structs.replace(job, parts=stretches), count)
         return [msgspec.structs.replace(job, folder=each.folder_in(job.folder), stretch=each) for each in stretches]
@@ -84,8 +89,8 @@ class Parts:
         end = duration * (number + 1) / count if number < count - 1 else float("inf")
         return Stretch(number, begin, end)
 
-    def ended(self, job: Job, outcome: VideoOutcome) -> Job | VideoOutcome | None:
-        """Note that a stretch has ended; when none is missing, return the job that joins all, or what went wrong."""
+    def ended(self, job: Job, outcome: VideoOutcome) -> Job | None:
+        """Note that a stretch has ended; when none is missing, return the job that joins all."""
         waiting = self._waiting[job.video]
         waiting.missing -= 1
         waiting.seconds += outcome.seconds
@@ -94,17 +99,26 @@ class Parts:
         if waiting.missing:
             return None
         del self._waiting[job.video]
-        if waiting.wrong is not None:
-            return msgspec.structs.replace(waiting.wrong, folder=waiting.job.folder)
-        return msgspec.structs.replace(waiting.job, seconds=round(waiting.seconds, 3))
+        whole = "" if waiting.wrong is None else f"a stretch failed: {waiting.wrong.reason}"
+        return msgspec.structs.replace(waiting.job, seconds=round(waiting.seconds, 3), whole=whole)
 
 
-def duration_of(job: Job) -> float:
-    """Return how long a video is by what its file says, s; 0 if that is not known, or it cannot be cut."""
+def frame_of_click(job: Job) -> int:
+    """Return the last frame in which somebody has clicked, or a candidate was counted; 0 if none is named."""
+    target = job.options.target
+    clicks = [job.click] if job.click else target.picks or ()
+    frames = [parse_pick(click)[2] for click in clicks]
+    if target.candidate is not None:
+        frames.append(parse_candidate(target.candidate)[1])
+    return max((frame or 0 for frame in frames), default=0)
+
+
+def length_of(job: Job) -> tuple[float, float]:
+    """Return how long a video is by what its file says, s, and its rate; zeros if it is not known, or cannot be cut."""
     try:
         with StampedVideo(job.video, fps=job.options.fps, **job.options.view.arguments) as video:
             if video.recording is None or video.length is None or not video.fps:
-                return 0.0
-            return video.length / video.fps
+                return 0.0, 0.0
+            return video.length / video.fps, video.fps
     except (ValueError, OSError):  # its own job says why
-        return 0.0
+        return 0.0, 0.0

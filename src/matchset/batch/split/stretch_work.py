@@ -1,5 +1,6 @@
 """What a worker does with a stretch of a long video, and with all its stretches at the end."""
 
+import itertools
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -12,7 +13,7 @@ from matchset.app.target.target_options import target_for
 from matchset.batch.jobs.counts import TABLES, kept_table, table_in
 from matchset.batch.jobs.job import Job, Stretch
 from matchset.batch.jobs.video_options import Options
-from matchset.batch.results.store import Store
+from matchset.batch.results.store import RUN, Store
 from matchset.batch.split.joining import Cut, MisfitError, Part, cuts_between, joined
 from matchset.batch.split.opening import MARKS, StretchOpening, read_marks
 from matchset.media.video import Video
@@ -70,8 +71,10 @@ def join_stretches(job: Job, store: Store, folder: Path, follow: Follow) -> tupl
     Raises
     ------
     MisfitError
-        If they do not fit together: their pictures or numbers are others, or rows differ at all cuts.
+        If they do not fit together: their pictures or numbers are others, or rows differ at all cuts; one is missing.
     """
+    if job.whole:
+        raise MisfitError(job.whole)
     parts = {each: _kept_part(store, each.folder_in(job.folder)) for each in job.parts}
     cuts, words = cuts_between(list(parts.values())), f"joined of {len(parts)} stretches"
     if not all(cut.same for cut in cuts):
@@ -80,9 +83,10 @@ def join_stretches(job: Job, store: Store, folder: Path, follow: Follow) -> tupl
             raise MisfitError(f"rows of {len(parts)} stretches differ at all cuts")
         for each in stretches:
             if each not in parts:
-                code, parts[each] = _followed(each, folder, follow)
-                if code not in (FOUND, NOT_FOUND):
+                code, part = _followed(each, folder, follow)
+                if part is None:
                     return code, words
+                parts[each] = part
         words += f", {sum(each not in stretches for each in job.parts)} of them followed again: rows differed at a cut"
         parts = {each: parts[each] for each in stretches}
         cuts = cuts_between(list(parts.values()))
@@ -94,16 +98,35 @@ def join_stretches(job: Job, store: Store, folder: Path, follow: Follow) -> tupl
 
 
 def _kept_part(store: Store, folder: str) -> Part:
-    _, table = kept_table(store, folder) or ("", b"")
-    return Part(table, read_marks(store.read(f"{folder}/{MARKS}") or b""))
+    _, table = kept_table(store, folder) or ("", None)
+    return _part(table, store.read(f"{folder}/{MARKS}"), folder)
 
 
-def _followed(stretch: Stretch, folder: Path, follow: Follow) -> tuple[int, Part]:
+def _part(table: bytes | None, marks: bytes | None, name: str) -> Part:
+    if not table or not marks:
+        raise MisfitError(f"the results of {name} are not there")
+    return Part(table, read_marks(marks))
+
+
+def remove_stretches(store: Store, folder: str) -> None:
+    """Remove the stretches of a video that is finished, which a batch has left that was killed just then."""
+    for number in itertools.count():
+        name = Stretch(number, 0.0, 0.0).folder_in(folder)
+        if RUN not in store.names(name):
+            return
+        store.remove(name)
+
+
+def _followed(stretch: Stretch, folder: Path, follow: Follow) -> tuple[int, Part | None]:
     """Follow a stretch in a folder that is gone afterwards."""
     with tempfile.TemporaryDirectory(dir=folder) as name:
         code, place = follow(stretch, Path(name)), Path(name)
         table = table_in(place)
-        return code, Part(b"" if table is None else table.read_bytes(), read_marks((place / MARKS).read_bytes()))
+        marks = place / MARKS
+        if code not in (FOUND, NOT_FOUND):
+            return code, None
+        read = [each.read_bytes() if each is not None and each.is_file() else None for each in (table, marks)]
+        return code, _part(read[0], read[1], f"stretch {stretch.number}")
 
 
 def _merged(stretches: Sequence[Stretch], cuts: Sequence[Cut]) -> list[Stretch]:

@@ -37,6 +37,9 @@ class DaskParameters(msgspec.Struct, frozen=True):
         worker is said later.
     page : float
         How long Dask's own page is waited for before its address is printed, s.
+    warm : float
+        How long it is waited for the first worker of each computer to load or compile, s. Less: workers of a slow disk
+        compile the same side by side; more: one that hangs holds all up for longer.
     """
 
     connect: float = 10.0
@@ -44,9 +47,18 @@ class DaskParameters(msgspec.Struct, frozen=True):
     look: float = 2.0
     first: float = 60.0
     page: float = 2.0
+    warm: float = 300.0
 
 
 PARAMETERS = DaskParameters()
+
+
+class _Given(msgspec.Struct, frozen=True):
+    """A job that was given: for which workers alone, None if for all, and how many were refused before."""
+
+    job: Job
+    workers: set[str] | None
+    refused: int
 
 
 def do_alone(job: Job) -> VideoOutcome:
@@ -112,28 +124,50 @@ class DaskCluster:
         self._lost: Any = distributed.comm.core.CommClosedError
         self._gone = f"the scheduler at {address} went away: start it, and type the same command again"
         self._ended: queue.Queue[Any] = queue.Queue()
-        self._jobs: dict[Any, Job] = {}
+        self._jobs: dict[Any, _Given] = {}
         self._begun: dict[str, float] = {}
         self._unfit = dict[str, str]()
-        self._waiting: list[Job] = []
+        self._asked, self._waiting = set[str](), list[Job]()
         self._fit: dict[str, int] = {}
         self._looked = -PARAMETERS.look
 
     def __enter__(self) -> Self:
         with contextlib.suppress(TimeoutError):
             self._client.wait_for_workers(1, timeout=PARAMETERS.first)
-        self._refuse_others()
         self._check()
         if not self._fit:
             raise LinkError(f"the scheduler at {self.address} has no worker: dask worker {self.address}")
-        for address in self._one_of_each_computer():
-            self._client.submit(warm_up, self._shape, workers=[address], pure=False).result()
-        self._client.run(use_one_thread, workers=list(self._fit))
+        self._warm_up()
         return self
 
-    def _refuse_others(self) -> None:
+    def _warm_up(self) -> None:
+        """Let one worker of each computer load or compile; one that leaves, or takes too long, is not waited for."""
+        ended = queue.Queue[Any]()
+        given, end = dict[Any, str](), time.monotonic() + PARAMETERS.warm
+        for address in self._one_of_each_computer():
+            future = self._client.submit(warm_up, self._shape, workers=[address], pure=False)
+            given[future] = address
+            future.add_done_callback(ended.put)
+        waiting = set(given)
+        while waiting and time.monotonic() < end:
+            with contextlib.suppress(queue.Empty):
+                waiting.discard(ended.get(timeout=PARAMETERS.look))
+            self._check()
+            waiting = {future for future in waiting if given[future] in self._fit}
+        for future, address in given.items():
+            if future.status == "error":
+                self._refuse(UnfitWorkerError(address, f"it cannot begin: {future.exception()}"))
+            elif not future.done():
+                future.cancel()
+        self._check()
+
+    def _ask(self, addresses: list[str]) -> None:
         """Refuse workers with another matchset, or none: they may not even understand what a job is."""
-        for address, found in self._client.run(code_digest, on_error="return").items():
+        if not addresses:
+            return
+        self._asked.update(addresses)
+        self._client.run(use_one_thread, workers=addresses, on_error="ignore")
+        for address, found in self._client.run(code_digest, workers=addresses, on_error="return").items():
             if not isinstance(found, str):
                 self._refuse(UnfitWorkerError(address, f"it has no matchset that fits: {found}"))
             elif found != code_digest():
@@ -163,7 +197,7 @@ class DaskCluster:
             if self._client.status == "running":
                 raise
             raise LinkError(self._gone) from None
-        self._jobs[future] = job
+        self._jobs[future] = _Given(job, None if named is None else set(named), len(self._unfit))
         self._begun.setdefault(job.folder, time.monotonic())
         future.add_done_callback(self._ended.put)
 
@@ -196,9 +230,10 @@ class DaskCluster:
 
     def _answer(self, future: Any) -> Answer | None:
         """Take what a worker has answered; None if the job is given once more."""
-        job = self._jobs.pop(future, None)
-        if job is None:
+        given = self._jobs.pop(future, None)
+        if given is None:
             return None
+        job = given.job
         if future.status == "cancelled":  # the scheduler is gone: `_check` says so
             self._waiting.append(job)
             return None
@@ -209,10 +244,19 @@ class DaskCluster:
             self._refuse(error)
             self._waiting.append(job)
             return None
+        if isinstance(error, Exception) and self._newly_refused(given):  # one of those had it, perhaps
+            self._waiting.append(job)
+            return None
         self._begun.pop(job.folder, None)
         if type(error).__name__ == "KilledWorker":
             return Answer(job, died(job, RETRY.deaths))
         return Answer(job, error=error) if isinstance(error, Exception) else Answer(job, future.result())
+
+    def _newly_refused(self, given: _Given) -> bool:
+        """Whether workers were refused since a job was given; those that have come since are asked now."""
+        self._looked = -PARAMETERS.look
+        self._look()
+        return len(self._unfit) > given.refused
 
     def _refuse(self, error: UnfitWorkerError) -> None:
         """Give a worker no more work, and say so once."""
@@ -228,16 +272,22 @@ class DaskCluster:
         return dict(self._client.run(worker_name, on_error="ignore"))
 
     def _look(self) -> None:
-        """Look which workers there are."""
+        """Look which workers there are, ask new ones who they are, and take back what was for those alone that left."""
         now = time.monotonic()
         if now - self._looked < PARAMETERS.look:
             return
         self._looked = now
         try:
             workers = self._client.scheduler_info(n_workers=-1)["workers"]
+            self._ask([name for name in workers if name not in self._asked])
         except (OSError, TimeoutError):  # it went away, as `_check` says
             return
         self._fit = {name: each["nthreads"] for name, each in workers.items() if name not in self._unfit}
+        for future, given in list(self._jobs.items()):
+            if given.workers is not None and given.workers.isdisjoint(self._fit):
+                del self._jobs[future]
+                future.cancel()
+                self._waiting.append(given.job)
 
     def _one_of_each_computer(self) -> list[str]:
         workers = self._client.scheduler_info(n_workers=-1)["workers"]

@@ -152,7 +152,7 @@ class VideoFile(Recorded):
     def _decode(self) -> Frame | None:
         unread = 0 if self._announced is None else self._announced - self._next
         misses = 0
-        while misses < min(max(unread + 1, DEFAULT.failures_past_end), DEFAULT.failures_before_end):
+        while misses < self.failures_from(self._next):
             image = unpack(self._capture) if self._capture.grab() else None
             if image is None:
                 misses += 1
@@ -169,6 +169,11 @@ class VideoFile(Recorded):
             unread, misses = unread - misses - 1, 0
         self._note_early_end(unread)
         return None
+
+    def failures_from(self, index: int) -> int:
+        """Return how many pictures that do not decode, from a frame on, mean that the file has ended before it."""
+        unread = 0 if self._announced is None else self._announced - index
+        return min(max(unread + 1, DEFAULT.failures_past_end), DEFAULT.failures_before_end)
 
     def _note_early_end(self, unread: int) -> None:
         """Note that the file ends before it should, where its container says when that is."""

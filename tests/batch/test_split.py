@@ -3,6 +3,8 @@
 import csv
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import msgspec
@@ -15,13 +17,16 @@ from matchset.app.guidance.choice import BallChoice, choose
 from matchset.app.several.options import SeveralOptions
 from matchset.batch import run
 from matchset.batch.jobs import choice, counts, work
-from matchset.batch.jobs.job import Job, Stretch
+from matchset.batch.jobs.job import Job, Stretch, VideoOutcome
 from matchset.batch.jobs.video_options import Options, track_options
+from matchset.batch.loop import Batch
 from matchset.batch.options import BatchOptions
+from matchset.batch.progress import BatchCounts
 from matchset.batch.results.store import FolderStore, Store, store_at
 from matchset.batch.split import joining, parts, stretch_work
 from matchset.batch.split.joining import JoinParameters, MisfitError, Part, cuts_between, joined
 from matchset.batch.split.opening import StretchOpening
+from matchset.batch.workers.pool import Answer
 from matchset.media.video import Video
 from matchset.media.video_stretch import StretchMark, StretchParameters, VideoStretch
 from matchset.tracking.parameters import TrackerParameters
@@ -426,3 +431,41 @@ def test_a_video_that_was_joined_when_the_batch_was_killed_is_not_followed_again
     assert given == []
     assert not store.names("long.mp4.0000")
     assert not store.names("long.mp4.0001")
+
+
+class IdlePool:
+    """Takes jobs, and does none."""
+
+    def __init__(self) -> None:
+        self.notes, self.given = list[str](), list[Job]()
+        self.free, self.running = 9, dict[str, float]()
+
+    def give(self, job: Job) -> None:
+        self.given.append(job)
+        self.free -= 1
+
+    def answers(self, _: float) -> list[Answer]:
+        answers = [
+            Answer(job, VideoOutcome(video="v", folder="a", settings="s", state="chosen", length=(3600.0, 30.0)))
+            for job in self.given
+            if job.choosing
+        ]
+        self.given = [job for job in self.given if not job.choosing]
+        return answers
+
+
+def test_what_was_clicked_on_the_page_is_cut_too(tmp_path: Path) -> None:
+    click = SimpleNamespace(video="a.mp4", folder="a", pick="1,1")
+    clicks = [[], [], [click]]
+    choice_of: Any = SimpleNamespace(add=lambda *_: None)
+    plan: Any = SimpleNamespace(
+        split=600.0, earlier=0, work=lambda: iter(()), choice=choice_of, again=lambda *_: cut_job(tmp_path / "a.mp4")
+    )
+    clicker: Any = SimpleNamespace(clicks=clicks.pop, waits=False)
+    pool = IdlePool()
+    here: Any = pool
+    manifest: Any = None
+    batch = Batch(plan, manifest, BatchCounts(1), clicker)
+    while clicks:
+        batch.step(here)
+    assert [job.stretch.number for job in pool.given if job.stretch is not None] == list(range(6))

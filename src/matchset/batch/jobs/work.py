@@ -70,24 +70,22 @@ def do_job(job: Job) -> VideoOutcome:
     begin = time.monotonic()
     size, modified = stat_of(job.video)
     try:
-        # a stretch is known by less: what joins it reads the whole file for its check sum
-        whole = job.stretch is None and not job.choosing
-        content = content_digest(job.video) if whole else f"{size} {modified}"
+        content = _content_of(job, size, modified)
     except OSError as error:
         content, problem = "", f"cannot read {job.video}: {error.strerror}"
         return _outcome(job, "failed", problem, size=size, modified=modified)
-    known = kept_outcome(store, job)
-    if known is not None and known.content == content and known.state in DONE:
-        return msgspec.structs.replace(known, size=size, modified=modified, video=plain_name(job.video))
+    known = _known(store, job, content)
+    if known is not None:
+        return msgspec.structs.replace(known, size=size, modified=modified)
     try:
         with store.unfinished() as folder:
             with stopped_when(Watch(store)):
                 outcome = _run(job, folder, store)
             if outcome.state == "stopped" and not store.is_current():
                 raise SupersededError(job.out)
-            known = kept_outcome(store, job) if job.parts and outcome.state == "failed" else None
-            if known is not None and known.content == content and known.state in DONE:  # by another worker meanwhile
-                return msgspec.structs.replace(known, size=size, modified=modified, video=plain_name(job.video))
+            known = _known(store, job, content) if job.parts and outcome.state == "failed" else None
+            if known is not None:  # by another worker meanwhile
+                return msgspec.structs.replace(known, size=size, modified=modified)
             seconds = round(time.monotonic() - begin + job.seconds, 3)
             outcome = msgspec.structs.replace(outcome, size=size, modified=modified, content=content, seconds=seconds)
             if stat_of(job.video) != (size, modified):  # so the same command does it again
@@ -121,6 +119,20 @@ def kept_outcome(store: Store, job: Job) -> VideoOutcome | None:
     if outcome.settings != job.settings or (outcome.frames and noted_table(store, outcome) is None):
         return None
     return outcome
+
+
+def _content_of(job: Job, size: int, modified: int) -> str:
+    """Return what the bytes of a video are known by; a stretch by less, as what joins it reads the whole file."""
+    whole = job.stretch is None and not job.choosing
+    return content_digest(job.video) if whole else f"{size} {modified}"
+
+
+def _known(store: Store, job: Job, content: str) -> VideoOutcome | None:
+    """Return what became of a video, if its results are there, of the same bytes."""
+    known = kept_outcome(store, job)
+    if known is not None and known.content == content and known.state in DONE:
+        return msgspec.structs.replace(known, video=plain_name(job.video))
+    return None
 
 
 def is_full(error: BaseException | None) -> bool:

@@ -76,6 +76,18 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
         until(lambda: not seen.get())
 
 
+def test_a_target_is_there_again_after_pictures_without_it(robot: Any, port: int) -> None:
+    robot.startServer("", "127.0.0.1", 0, port)
+    seen = robot.getBooleanTopic("/matchset/left/ball/hasTarget").subscribe(False)
+    with ms.NetworkTables("left", "127.0.0.1", port) as tables:
+        for found, there in ((LEVEL, True), ({}, False), (LEVEL, True), (LEVEL, True)):
+            tables.publish(found, 10.0, 15.0)  # 5 s old: longer than what happens here takes
+            until(lambda there=there: seen.get() == there)
+        tables.publish(LEVEL, 10.0, 20.0)  # one from before goes nowhere, that it is gone is told
+        tables.publish({}, 10.0, 20.0)
+        until(lambda: not seen.get())
+
+
 def test_values_of_targets_that_are_gone_are_withdrawn(robot: Any, port: int) -> None:
     robot.startServer("", "127.0.0.1", 0, port)
     listener = ntcore.MultiSubscriber(robot, ["/matchset/"])

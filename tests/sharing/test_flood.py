@@ -84,6 +84,34 @@ def test_what_comes_waits_although_somebody_holds_the_targets(share: ms.Share, k
         until(lambda: [send(b"paper jam", None), share._inbox._strangers][1])
 
 
+def test_who_comes_and_goes_waits_too_and_holds_up_nobody(share: ms.Share, key: str, stranger: Connection) -> None:
+    send = stranger.publisher(f"{key}/targets/printer", ENCODING)
+    with share._lock:
+        stranger.appear(f"{key}/alive/new")
+        until(lambda: share._inbox.is_present("new"))
+        until(lambda: [send(b"paper jam", None), share._inbox._strangers][1])
+    until(lambda: any(each.name == "new" and each.here for each in share.partners()))
+
+
+def test_who_came_while_there_was_no_room_is_there_when_there_is(key: str, stranger: Connection) -> None:
+    one = sharing.ShareParameters(inbox=InboxParameters(partners=1))
+    with ms.Share("me", key=key, parameters=one) as share:
+        heard = Heard(share)
+        stranger.appear(f"{key}/alive/first")
+        until(lambda: share.partners())
+        stranger.appear(f"{key}/alive/second")
+        until(lambda: heard.has("second: left out"))
+        stranger.withdraw(f"{key}/alive/first")
+        until(lambda: heard.has("first: gone"))
+        send = stranger.publisher(f"{key}/targets/second", ENCODING)
+
+        def come() -> bool:
+            send(message("second", 1), None)
+            return [(each.name, each.here) for each in share.partners()] == [("second", True)]
+
+        until(come)
+
+
 def test_of_a_flood_of_strangers_a_look_decodes_few_messages(
     share: ms.Share, left: ms.Share, key: str, stranger: Connection, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -226,6 +226,28 @@ def test_the_next_click_waits_for_no_long_reading(feed: FileFeed, monkeypatch: p
     assert feed.tracking._reader.interrupted() is False
 
 
+def test_a_click_is_not_given_up_for_what_is_no_click(
+    feed: FileFeed, notes: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sequence = go(feed, CLICK)
+    feed.ask(Pick(sequence, *center(CLICK)))
+    wait(lambda: feed.tracking.targets and not feed.tracking.busy)
+    read, interrupted = feed.tracking._frame, list[int]()
+
+    def reading(click: Any, place: int) -> Frame:
+        if not interrupted:
+            interrupted.append(place)
+            feed.ask(Drop(1))
+            raise InterruptedReadingError
+        return read(click, place)
+
+    monkeypatch.setattr(feed.tracking, "_frame", reading)
+    feed.ask(Pick(sequence, *center(CLICK)))
+    wait(lambda: list(feed.tracking.targets) == [2] and not feed.tracking.busy)
+    assert interrupted == [CLICK]
+    assert notes == []
+
+
 def test_what_is_no_click_is_done_after_what_was_more_urgent(
     feed: FileFeed, notes: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import matchset as ms
 from live_feeds import MadeUpFeed, seen_of, shown
+from matchset.live.feed import Feed, StreamPicture
 from matchset.live.session import Session
 from matchset.live.sharing.shared_page import SharedPage, shared_page
 from matchset.live.sharing.state import SharingState
@@ -114,6 +115,52 @@ class CountingShare:
     def publish(self, found: Sequence[SentTarget], times: Mapping[str, float], _: float) -> None:
         self.published += 1
         self.unequal += {each.name for each in found} != set(times)
+
+
+class NamingShare(CountingShare):
+    """Keeps the names that are published last."""
+
+    names: Sequence[str] = ()
+
+    def publish(self, found: Sequence[SentTarget], times: Mapping[str, float], now: float) -> None:
+        super().publish(found, times, now)
+        self.names = [each.name for each in found]
+
+
+class LateThread:
+    """A listener that stands for a thread of a feed, which tells a picture while the next feed comes."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def hear(self, stream: int, seen: StreamPicture) -> None:
+        pass
+
+    def changed(self, _: Feed | None) -> None:
+        self._session.hear(1)
+
+
+def test_a_picture_that_the_source_before_tells_last_is_not_shared_for_good() -> None:
+    share, session, before, after = NamingShare(), Session(), MadeUpFeed(2), MadeUpFeed(1)
+    shown(before, session)
+    session.listen(SharedPage(share, session.note))  # type: ignore[arg-type]
+    session.listen(LateThread(session))
+    before.show(seen_of(1), stream=1)
+    before.made[1].seen = seen_of(2)
+    shown(after, session)
+    assert share.names == ["circle 1 2"]
+    after.show(seen_of(3))
+    assert share.names == ["circle 1"]
+
+
+def test_a_stream_that_has_stopped_is_not_shared_for_good() -> None:
+    share = NamingShare()
+    page = SharedPage(share, [].append, lasting=2.0)  # type: ignore[arg-type]
+    page.hear(1, seen_of(0))
+    page.hear(0, seen_of(59))
+    assert share.names == ["circle 1 2", "circle 1"]
+    page.hear(0, seen_of(61))
+    assert share.names == ["circle 1"]
 
 
 @pytest.fixture

@@ -1,5 +1,7 @@
 """What a computer that sleeps does to ages: two clocks that a test sets, one of which stands still meanwhile."""
 
+import contextlib
+import threading
 import time
 from collections.abc import Iterator
 
@@ -97,6 +99,60 @@ def test_so_are_those_with_times_of_another_clock_until_that_begins_anew() -> No
     assert ages.of(SENT, 7.3, 7.3) == [0.0]
     assert ages.of(SENT, 0.0, 0.1) == [pytest.approx(0.1)]
     assert ages.of(SENT, 7.0, 7.1) == [pytest.approx(0.1)]
+
+
+def test_a_picture_from_between_now_and_the_sleep_is_from_before() -> None:
+    laptop = Laptop()
+    ages = PictureAges(laptop.clock)
+    laptop.awake = 100.012
+    ages.of(SENT, 99.990, 100.0)
+    laptop.awake, laptop.slept = 100.045, 3600.0  # `now` was read, a picture taken at 100.040, and then it slept
+    assert ages.of(SENT, 100.030, 100.033) == [pytest.approx(3600.003)]
+    laptop.awake = 100.070
+    assert ages.of(SENT, 100.040, 100.058) == [pytest.approx(3600.018)]
+    assert ages.of(SENT, 100.067, 100.068) == [pytest.approx(0.001)]
+
+
+def test_who_has_not_told_anything_for_long_tells_new_pictures_soon_after_a_sleep() -> None:
+    laptop = Laptop()
+    ages = PictureAges(laptop.clock)
+    laptop.awake, laptop.slept = 900.0, 3600.0
+    ages.of(SENT, 899.9, 900.0)
+    laptop.awake = 901.1
+    assert ages.of(SENT, 901.05, 901.1) == [pytest.approx(0.05)]
+
+
+def test_a_camera_that_is_told_a_moment_late_does_not_forget_a_sleep() -> None:
+    laptop = Laptop()
+    ages = PictureAges(laptop.clock)
+    ages.of(SENT, 99.9, 100.0)
+    laptop.slept = 60.0
+    ages.of(SENT, 99.9, 100.05)
+    ages.of(SENT, 99.9, 100.049)
+    assert ages.of(SENT, 100.0, 100.1) == [pytest.approx(60.1)]
+
+
+class Together(float):
+    """A shortest sleep that two threads compare with theirs at the same time, if they may."""
+
+    waiting = threading.Barrier(2)
+
+    def __lt__(self, other: float) -> bool:
+        with contextlib.suppress(threading.BrokenBarrierError):
+            self.waiting.wait(0.2)
+        return float(self) < other
+
+
+def test_a_sleep_is_noted_once_by_several_threads() -> None:
+    slept = [0.0]
+    clock = Clock(lambda: slept[0], lambda: 0.0, Together(0.1))
+    slept[0] = 60.0
+    threads = [threading.Thread(target=lambda: clock.asleep) for _ in range(2)]
+    for each in threads:
+        each.start()
+    for each in threads:
+        each.join()
+    assert clock.asleep == 60.0
 
 
 def test_a_lost_target_has_an_age_too() -> None:

@@ -1,6 +1,7 @@
 """Somebody sends without end, under many names or a partner's: what is decoded is counted, and partners are heard."""
 
 import functools
+import itertools
 import secrets
 import threading
 import time
@@ -11,10 +12,12 @@ import pytest
 
 import matchset as ms
 import matchset.sharing.share as sharing
+from matchset.sharing.clock import Clock
 from matchset.sharing.connection import Connection, zenoh_settings
 from matchset.sharing.inbox import InboxParameters
 from matchset.sharing.lines import LineParameters
 from matchset.sharing.messages import ENCODING, FORMAT, MOST_BYTES, MOST_TARGETS, TargetsMessage, read_targets, written
+from matchset.sharing.partner import Partner
 from sharing_poses import LEVEL, target_messages
 from sharing_processes import Heard, told, until
 
@@ -82,6 +85,58 @@ def test_what_comes_waits_although_somebody_holds_the_targets(share: ms.Share, k
     send = stranger.publisher(f"{key}/targets/printer", ENCODING)
     with share._lock:
         until(lambda: [send(b"paper jam", None), share._inbox._strangers][1])
+
+
+def test_who_comes_and_goes_waits_too_and_holds_up_nobody(share: ms.Share, key: str, stranger: Connection) -> None:
+    send = stranger.publisher(f"{key}/targets/printer", ENCODING)
+    with share._lock:
+        stranger.appear(f"{key}/alive/new")
+        until(lambda: share._inbox.is_present("new"))
+        until(lambda: [send(b"paper jam", None), share._inbox._strangers][1])
+    until(lambda: any(each.name == "new" and each.here for each in share.partners()))
+
+
+def test_who_came_while_there_was_no_room_is_there_when_there_is(key: str, stranger: Connection) -> None:
+    one = sharing.ShareParameters(inbox=InboxParameters(partners=1))
+    with ms.Share("me", key=key, parameters=one) as share:
+        heard = Heard(share)
+        stranger.appear(f"{key}/alive/first")
+        until(lambda: share.partners())
+        stranger.appear(f"{key}/alive/second")
+        until(lambda: heard.has("second: left out"))
+        stranger.withdraw(f"{key}/alive/first")
+        until(lambda: heard.has("first: gone"))
+        send = stranger.publisher(f"{key}/targets/second", ENCODING)
+
+        def come() -> bool:
+            send(message("second", 1), None)
+            return [(each.name, each.here) for each in share.partners()] == [("second", True)]
+
+        until(come)
+
+
+def test_many_that_do_not_answer_do_not_keep_others_from_being_read(
+    key: str, stranger: Connection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    passed, right, done, read = [0.0], Clock(), list[str](), ms.Share._read
+
+    def ask(_: ms.Share, partner: Partner) -> None:
+        done.append(partner.name)
+        passed[0] += 10.0  # as long as many of them take
+
+    def reading(share: ms.Share) -> float:
+        done.append("read")
+        return read(share)
+
+    monkeypatch.setattr(ms.Share, "_compare", ask)
+    monkeypatch.setattr(ms.Share, "_read", reading)
+    names = {"first", "second", "third"}
+    for name in names:
+        stranger.appear(f"{key}/alive/{name}")
+    clock = Clock(lambda: right.now() + passed[0], lambda: right.awake() + passed[0])
+    with ms.Share("me", key=key, clock=clock, parameters=sharing.ShareParameters(look=0.01)):
+        until(lambda: names <= set(done) and len(done) > 30)
+    assert all("read" in pair for pair in itertools.pairwise(done))
 
 
 def test_of_a_flood_of_strangers_a_look_decodes_few_messages(

@@ -63,9 +63,25 @@ def test_of_one_that_has_ended_nothing_waits() -> None:
     inbox = Inbox(SMALL)
     inbox.put("left", b"x", 1.0, known=True)
     inbox.put("left", b"y", 1.0, known=False)
-    inbox.forget("left")
-    inbox.forget("right")
+    inbox.see("left", False, known=True)
+    inbox.see("right", False, known=False)
     assert inbox.take() == []
+    assert inbox.changes() == (["left", "right"], [])
+
+
+def test_who_came_and_went_is_kept_for_few() -> None:
+    inbox = Inbox(InboxParameters(present=2))
+    for name in ("a", "b", "c", "d"):
+        inbox.see(name, True, known=name == "d")
+    assert [inbox.is_present(name) for name in "abcd"] == [True, True, False, True]
+    inbox.see("a", False, known=True)
+    inbox.see("b", False, known=True)
+    inbox.see("b", True, known=True)
+    for name in ("e", "f", "g"):
+        inbox.see(name, False, known=False)
+    assert inbox.changes() == (["a", "b"], ["d", "b"])
+    assert inbox.changes() == ([], [])
+    assert [inbox.is_present(name) for name in "abcd"] == [False, True, False, True]
 
 
 @pytest.mark.parametrize("name", InboxParameters.__struct_fields__)

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.sharing.lines import LineParameters, Lines
+from matchset.sharing.lines import LONGEST_LINE, LineParameters, Lines
 
 FEW = LineParameters(period=60.0, partner=3, together=5)
 
@@ -50,3 +50,10 @@ def test_who_never_asks_does_not_keep_them_all() -> None:
     for number in range(10_000):
         lines.say(str(number), ["here"], 20.0 * number)
     assert lines.take(2e5) == [*["here"] * FEW.together, "others: 9995 more lines in 199900 s"]
+
+
+def test_a_line_is_short_whatever_it_quotes() -> None:
+    lines = Lines(FEW)
+    lines.say("left", ["left: " + 50_000 * "x"], 1.0)
+    lines.say_once("many", 50_000 * "x")
+    assert [len(line) for line in lines.take(1.0)] == [LONGEST_LINE, LONGEST_LINE]

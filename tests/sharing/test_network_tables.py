@@ -1,5 +1,6 @@
 """What a robot reads in NetworkTables: by ntcore's own server, and by its own client where matchset serves."""
 
+import functools
 import socket
 import struct
 import sys
@@ -73,6 +74,18 @@ def test_the_server_of_a_robot_reads_everything(robot: Any, port: int) -> None:
         tables.publish(found, {"ball": 12.0, "late": 11.0}, 12.25)
         until(lambda: seen.get())
         tables.publish({"late": LEVEL}, 12.0, 12.25)  # one that is not told any more is not there any more
+        until(lambda: not seen.get())
+
+
+def test_a_target_is_there_again_after_pictures_without_it(robot: Any, port: int) -> None:
+    robot.startServer("", "127.0.0.1", 0, port)
+    seen = robot.getBooleanTopic("/matchset/left/ball/hasTarget").subscribe(False)
+    with ms.NetworkTables("left", "127.0.0.1", port) as tables:
+        for found, there in ((LEVEL, True), ({}, False), (LEVEL, True), (LEVEL, True)):
+            tables.publish(found, 10.0, 15.0)  # 5 s old: longer than what happens here takes
+            until(functools.partial(lambda wanted: seen.get() == wanted, there))
+        tables.publish(LEVEL, 10.0, 20.0)  # one from before goes nowhere, that it is gone is told
+        tables.publish({}, 10.0, 20.0)
         until(lambda: not seen.get())
 
 

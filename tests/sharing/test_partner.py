@@ -207,6 +207,29 @@ def test_a_clock_that_jumps_is_told() -> None:
     assert "s from now" in only(synchronized(), 9.9).reason
 
 
+def test_a_pose_from_before_a_clock_jumped_does_not_become_new() -> None:
+    made = partner()
+    made.take(message(3, 10.0), 10.02)
+    made.compare(10.03, answer(10.031), 10.032, 0.0)
+    made.compare(20.0, answer(20.001, -10.0), 20.002, 0.0)  # of a picture of 10 s it is 10 s there again
+    assert made.targets(20.01, AGES) == []
+    made.take(message(2, 9.9), 20.02)
+    assert made.targets(20.03, AGES) == []
+    made.take(message(4, 10.02), 20.04)
+    assert only(made, 20.05)
+
+
+def test_what_a_partner_tells_of_its_clock_does_not_displace_what_was_measured_here() -> None:
+    made = synchronized()
+    wrong = OffsetMessage(partner="me", run=1, offset=HOUR, uncertainty=1e-6)
+    made.take(message(1, 10.0, offsets=[wrong]), 10.04)
+    known = made.offset.at(10.04)
+    assert known is not None
+    assert abs(known.seconds) < 0.002
+    made.take(message(2, 10.0, offsets=[msgspec.structs.replace(wrong, offset=0.0)]), 10.05)
+    assert made.offset.at(10.05) == Offset(0.0, 1e-6)
+
+
 def test_a_message_under_another_name_is_refused_once() -> None:
     made = partner()
     words = "left: sends messages that say they are of 'right': refused"

@@ -297,6 +297,7 @@ def test_a_configuration_file_of_zenoh_is_taken(key: str, tmp_path: Path, partne
         ({"name": ""}, "1 to 64 characters"),
         ({"name": "a/b"}, "got 'a/b'"),
         ({"name": "a b"}, "got 'a b'"),
+        ({"name": "@left"}, "does not begin with @, got '@left'"),
         ({"key": "a//b"}, "got 'a//b'"),
         ({"key": "all/*"}, "got 'all/\\*'"),
         ({"discovery": "everywhere"}, "loopback, network, off, got 'everywhere'"),

@@ -132,6 +132,14 @@ def test_what_is_refused_says_what_it_is(data: bytes, words: str) -> None:
         read_targets(data)
 
 
+def test_what_is_refused_is_not_quoted_in_full() -> None:
+    sent = msgspec.msgpack.decode(written(message(targets=target_messages(LEVEL, 1.0))))
+    sent["targets"][0]["pose"]["observed"] = 50_000 * "x"
+    with pytest.raises(ForeignMessageError, match=r"a damaged message: .* 'xxx") as raised:
+        read_targets(msgspec.msgpack.encode(sent))
+    assert len(str(raised.value)) < 300
+
+
 def test_the_schema_is_for_other_programs() -> None:
     definitions = schema()["$defs"]
     assert {"TargetsMessage", "TargetMessage", "PoseMessage", "TrackMessage"} <= set(definitions)

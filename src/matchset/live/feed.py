@@ -213,7 +213,7 @@ class Listener(Protocol):
         ...
 
     def changed(self, feed: "Feed | None") -> None:
-        """Note that another feed will be shown now; called in any thread, before its first picture."""
+        """Note that another feed will be shown now, in any thread; again when the one before has ended."""
         ...
 
 

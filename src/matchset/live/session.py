@@ -75,6 +75,8 @@ class Session(Closing):
         self._late.forget()
         if before is not None:
             before.close()
+            for listener in self._listeners:
+                listener.changed(feed)  # the threads of the one before have told their last pictures by now
 
     def hear(self, number: int) -> StreamPicture | None:
         """Tell the listeners of the newest picture of a stream; called in the thread of its loop, by its `News`.

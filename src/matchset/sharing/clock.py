@@ -4,6 +4,8 @@
 would look new afterwards.
 """
 
+import math
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -48,7 +50,7 @@ class Clock:
         shortest: float = 0.1,
     ) -> None:
         self.now, self.awake = now or _through_sleep(), awake
-        self._shortest, self._asleep = shortest, 0.0
+        self._shortest, self._asleep, self._lock = shortest, 0.0, threading.Lock()
         self._ahead = max(self.ahead for _ in range(READINGS))
 
     @property
@@ -59,10 +61,11 @@ class Clock:
     @property
     def asleep(self) -> float:
         """How long the computer has slept since this was made, s."""
-        more = self.ahead - self._ahead
-        if more > self._shortest:
-            self._ahead, self._asleep = self._ahead + more, self._asleep + more
-        return self._asleep
+        with self._lock:
+            more = self.ahead - self._ahead
+            if more > self._shortest:
+                self._ahead, self._asleep = self._ahead + more, self._asleep + more
+            return self._asleep
 
 
 class PictureAges:
@@ -73,20 +76,29 @@ class PictureAges:
     Parameters
     ----------
     clock : Clock
+    late : float
+        Time before a call, s, at which its `now` was read at most. More takes pictures of so long after a sleep for
+        older ones, less those from just before it for new ones. Chosen by hand: who reads it before a picture is
+        searched and sent is done within that.
     """
 
-    def __init__(self, clock: Clock) -> None:
-        self._clock, self._asleep = clock, clock.asleep
+    def __init__(self, clock: Clock, late: float = 1.0) -> None:
+        self._clock, self._asleep, self._late = clock, clock.asleep, late
+        self._called, self._latest = clock.awake(), -math.inf
         self._sleeps: deque[tuple[float, float]] = deque(maxlen=KEPT)
 
     def of(self, sent: Sequence[SentTarget], time: float | Mapping[str, float], now: float | None) -> list[float]:
         """Return how old the picture of each target is, s; as `ages_of`, and the clock of pictures if `now` is None."""
-        now = self._clock.awake() if now is None else now
+        awake = self._clock.awake()
+        since, self._called = 0.0 if now is None else min(awake - self._called, self._late), awake
+        now = awake if now is None else now
         ages = ages_of(sent, time, now)
-        if self._sleeps and now < self._sleeps[-1][0]:
+        if now < self._latest - self._late:
             self._sleeps.clear()  # the times of another source, or of one that begins anew
+            self._latest = now
+        self._latest = max(self._latest, now)
         asleep = self._clock.asleep
         if asleep > self._asleep:
-            self._sleeps.append((now, asleep - self._asleep))
+            self._sleeps.append((now + since, asleep - self._asleep))  # `now` may be from before, or before that
             self._asleep = asleep
         return [age + sum(slept for end, slept in self._sleeps if now - age < end) for age in ages]

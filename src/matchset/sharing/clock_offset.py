@@ -106,14 +106,18 @@ class ClockOffset:
 
     def add_offset(self, offset: Offset, now: float) -> bool:
         """Add an offset that was measured otherwise; as `add`."""
-        known = self.at(now)
-        jumped = known is not None and (
-            abs(offset.seconds - known.seconds) > offset.uncertainty + known.uncertainty + math.ulp(abs(now))
-        )
+        jumped = self.contradicts(offset, now)
         if jumped:
             self._measured.clear()
         self._measured.append(_Measured(offset, now))
         return jumped
+
+    def contradicts(self, offset: Offset, now: float) -> bool:
+        """Whether an offset that was measured now cannot be, by what is known."""
+        known = self.at(now)
+        return known is not None and (
+            abs(offset.seconds - known.seconds) > offset.uncertainty + known.uncertainty + math.ulp(abs(now))
+        )
 
     def at(self, now: float) -> Offset | None:
         """Return the offset as it is known now, s on the own clock; None if it is not known."""

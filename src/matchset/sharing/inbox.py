@@ -19,6 +19,9 @@ class InboxParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     strangers : int
         Messages that wait of those who have not told that they are there. More tells of more programs that are none of
         matchset. Chosen by hand.
+    present : int
+        Programs of which it is known that they are there, whether they are partners or not. More knows it of more when
+        there is room for them. Chosen by hand: four times the partners.
     decoded : int
         Bytes after which a look stops to decode; the rest waits for the next one. More reads more partners at once,
         less takes less time. Chosen by: 1 ms.
@@ -28,6 +31,7 @@ class InboxParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     partners: int = 64
     strangers: int = 4
+    present: int = 256
     decoded: int = 262_144
     targets: int = 256
 
@@ -56,8 +60,21 @@ class Waiting(NamedTuple):
     messages: int
 
 
+class Changes(NamedTuple):
+    """Who came and went since the last look.
+
+    Attributes
+    ----------
+    vanished, appeared : list of str
+        Who has vanished at least once; then who has appeared and is there now.
+    """
+
+    vanished: list[str]
+    appeared: list[str]
+
+
 class Inbox:
-    """Keeps the newest message of each sender, as bytes.
+    """Keeps the newest message of each sender, as bytes, and who is there.
 
     Parameters
     ----------
@@ -73,6 +90,7 @@ class Inbox:
         self._parameters, self.dropped = parameters, 0
         self._lock = threading.Lock()
         self._partners, self._strangers = dict[str, Waiting](), dict[str, Waiting]()
+        self._present, self._appeared, self._vanished = set[str](), dict[str, None](), dict[str, None]()
 
     def put(self, name: str, data: bytes | None, now: float, known: bool) -> bool:
         """Keep a message in place of what the same sender sent before; returns whether there was room for it."""
@@ -97,8 +115,28 @@ class Inbox:
                     size += len(taken[-1].data or b"")
         return taken
 
-    def forget(self, name: str) -> None:
-        """Forget what a sender sent: its program has ended."""
+    def see(self, name: str, there: bool, known: bool) -> None:
+        """Note that a program appeared or vanished; of one that has ended no message waits any more."""
         with self._lock:
-            self._partners.pop(name, None)
-            self._strangers.pop(name, None)
+            if not there:
+                self._partners.pop(name, None)
+                self._strangers.pop(name, None)
+                self._present.discard(name)
+                self._appeared.pop(name, None)
+                if known or len(self._vanished) < self._parameters.present:
+                    self._vanished[name] = None
+            elif known or len(self._present) < self._parameters.present:
+                self._present.add(name)
+                self._appeared[name] = None
+
+    def changes(self) -> Changes:
+        """Return who came and went since the last call."""
+        with self._lock:
+            changes = Changes(list(self._vanished), list(self._appeared))
+            self._vanished.clear()
+            self._appeared.clear()
+        return changes
+
+    def is_present(self, name: str) -> bool:
+        """Whether a program is known to be there."""
+        return name in self._present

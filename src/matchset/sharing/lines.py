@@ -8,6 +8,8 @@ import msgspec
 
 from matchset.numeric.arguments import require_positive
 
+LONGEST_LINE = 300  # format: characters; who prints it waits for no more
+
 
 class LineParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How much is said.
@@ -54,7 +56,7 @@ class Lines:
             several = max(self._said.total(), len(self._lines))
             if self._said[about] < limits.partner and several < limits.together:
                 self._said[about] += 1
-                self._lines.append(line)
+                self._lines.append(line[:LONGEST_LINE])
             else:
                 self._since = self._since if self._left_out else now
                 self._left_out += 1
@@ -63,7 +65,7 @@ class Lines:
         """Say a line that counts as none of these, unless one of this kind was said before."""
         if kind not in self._once:
             self._once.add(kind)
-            self._lines.append(line)
+            self._lines.append(line[:LONGEST_LINE])
 
     def take(self, now: float) -> list[str]:
         """Return the lines since the last call."""

@@ -15,6 +15,7 @@ MOST_BYTES = 65_536  # format: of a message; a longer one is refused unread
 MOST_TARGETS = 64  # format: of a message, and of partners whose clocks it tells
 MOST_NUMBERS = 32  # format: of an outline
 LONGEST_NAME = 64  # format: characters
+LONGEST_ERROR = 200  # format: characters of what is wrong with a message, which quotes it
 LARGEST = 1e12  # format: of any number; it refuses infinities and NaN, too
 ENCODING = f"application/msgpack;matchset.sharing/{FORMAT}"
 
@@ -209,7 +210,7 @@ def _read(data: bytes | None, decoder: "msgspec.msgpack.Decoder[M]") -> M:
     try:
         return decoder.decode(data)
     except (msgspec.DecodeError, ValueError, RecursionError) as error:
-        raise ForeignMessageError(f"sends a damaged message: {error}") from None
+        raise ForeignMessageError(f"sends a damaged message: {str(error)[:LONGEST_ERROR]}") from None
 
 
 def schema() -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from matchset.numeric.arguments import check_kind
 
 NOT_IN_A_NAME = "/*$?#%"  # format: characters with a meaning in keys of Zenoh and ROS
+HIDDEN = "@"  # format: what begins so is not heard by who listens to all of Zenoh
 
 
 def is_name(text: str) -> bool:
@@ -25,6 +26,8 @@ def checked_name(name: str) -> str:
     if not 0 < len(name) <= 64 or set(name) & set(NOT_IN_A_NAME) or not name.isprintable() or " " in name:
         wrong = f"1 to 64 characters without spaces and {' '.join(NOT_IN_A_NAME)}"
         raise ValueError(f"the name to share under has {wrong}, got {name!r:.80}")
+    if name.startswith(HIDDEN):
+        raise ValueError(f"the name to share under does not begin with {HIDDEN}, got {name!r}")
     return name
 
 

@@ -64,6 +64,7 @@ class NetworkTables(NotCopied, Closing):
     def __init__(self, name: str, server: str | int | None, port: int = PORT, *, clock: Clock | None = None) -> None:
         self.name, self._server = checked_name(name), server
         self._publishers, self._named = dict[str, dict[str, Any]](), NamedLately()
+        self._stamps = dict[str, int]()
         self._clock = clock or Clock()
         self._ages = PictureAges(self._clock)
         checked_count("the port of NetworkTables", port, 1, 65_535)
@@ -75,7 +76,7 @@ class NetworkTables(NotCopied, Closing):
             import ntcore
         except ImportError:
             raise LinkError(f"NetworkTables need pyntcore: {advice('frc')}") from None
-        self._now = ntcore._now
+        self._now, self._options = ntcore._now, ntcore.PubSubOptions(keepDuplicates=True)  # with newer times
         self._tables: Any = ntcore.NetworkTableInstance.create()
         if server is None:
             self._tables.startServer("", "127.0.0.1", NO_PORT, port)
@@ -106,9 +107,10 @@ class NetworkTables(NotCopied, Closing):
             self._publish(each, age, max(round(stamp - MICRO * age), 1))
         names = {each.name for each in targets}
         for absent in set(self._publishers) - names:
-            self._set(absent, "hasTarget", "Boolean", False, stamp)
+            self._set(absent, "hasTarget", "Boolean", False, self._stamps[absent] + 1)  # older than its next picture
         for gone in self._named.gone(names, self._clock.now()):
             _end(self._publishers.pop(gone))
+            del self._stamps[gone]
         self._tables.flush()
 
     def close(self) -> None:
@@ -127,6 +129,7 @@ class NetworkTables(NotCopied, Closing):
 
     def _publish(self, sent: SentTarget, age: float, stamp: int) -> None:
         name = sent.name
+        self._stamps[name] = max(stamp, self._stamps.get(name, stamp))
         self._set(name, "hasTarget", "Boolean", not sent.lost, stamp)
         self._set(name, "latencyMillis", "Double", 1000.0 * age, stamp)
         if sent.outline is not None:
@@ -148,7 +151,7 @@ class NetworkTables(NotCopied, Closing):
         publishers = self._publishers.setdefault(name, {})
         if value_name not in publishers:
             made = getattr(self._tables, f"get{kind}Topic")(f"/matchset/{self.name}/{name}/{value_name}")
-            publishers[value_name] = made.publish("struct:Pose3d") if kind == "Raw" else made.publish()
+            publishers[value_name] = made.publish(*["struct:Pose3d"] * (kind == "Raw"), self._options)
         publishers[value_name].set(value, stamp)
 
 

@@ -81,7 +81,7 @@ class Partner:
         self.name, self.here = name, False
         self._own, self._clock_parameters, self._parameters = own, clock, parameters
         self.run: int | None = None
-        self.offset = ClockOffset(clock)
+        self.offset, self._measured = ClockOffset(clock), False
         self._message: TargetsMessage | None = None
         self._last, self._silent, self._left = -math.inf, False, False
         self._received = self._missed = 0
@@ -123,7 +123,9 @@ class Partner:
         for each in message.offsets:
             known = self.offset.at(now)
             if (each.partner, each.run) == self._own and (known is None or each.uncertainty < known.uncertainty):
-                self.offset.add_offset(Offset(-each.offset, each.uncertainty), now)
+                told = Offset(-each.offset, each.uncertainty)
+                if not (self._measured and self.offset.contradicts(told, now)):  # what was measured here counts
+                    self.offset.add_offset(told, now)
         return lines
 
     def compare(self, asked: float, message: ClockMessage, returned: float, wall: float) -> list[str]:
@@ -133,6 +135,9 @@ class Partner:
         lines = self._begin(message.run)
         if self.offset.add(Exchange(asked, message.received, message.answered, returned)):
             lines.append(f"{self.name}: its clock has jumped: it is measured anew")
+            if self._message is not None:  # its times are of the clock before; older ones are still overtaken
+                self._message = msgspec.structs.replace(self._message, targets=[])
+        self._measured = True
         ahead = message.wall - wall
         if abs(ahead) > self._parameters.wrong_clock:
             words = f"{abs(ahead):.0f} s {'ahead of' if ahead > 0.0 else 'behind'} this one"
@@ -164,7 +169,7 @@ class Partner:
     def woken(self, run: int) -> None:
         """Forget how the clocks stand: this computer has slept, and is another run now."""
         self._own = self._own[0], run
-        self.offset = ClockOffset(self._clock_parameters)
+        self.offset, self._measured = ClockOffset(self._clock_parameters), False
 
     def targets(self, now: float, parameters: AgeParameters, ahead: float = 0.0) -> list[SharedTarget]:
         """Return its targets as they are known now, s, when this clock is so far ahead of that of pictures, s."""
@@ -201,5 +206,5 @@ class Partner:
         if self.run is not None:
             self._ended = [*self._ended[-MOST_RUNS + 1 :], self.run]
         self.run, self._message, self._received, self._missed = run, None, 0, 0
-        self.offset = ClockOffset(self._clock_parameters)
+        self.offset, self._measured = ClockOffset(self._clock_parameters), False
         return [f"{self.name}: began anew"] if again else []

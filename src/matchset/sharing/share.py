@@ -154,11 +154,11 @@ class Share(NotCopied, Closing):
         with self._lock:
             sent = self._now()
             ages = self._ages.of(targets, time, now)
-            number, self._number = self._number, self._number + 1
+            run, number, self._number = self.run, self._number, self._number + 1
         message = TargetsMessage(
             format=FORMAT,
             name=self.name,
-            run=self.run,
+            run=run,
             number=number,
             sent=sent,
             offsets=self._offsets(sent),
@@ -241,16 +241,10 @@ class Share(NotCopied, Closing):
             self._arrived.set()
 
     def _see(self, key: str, there: bool) -> None:
-        """Somebody appeared or vanished; called by a thread of the network."""
+        """Keep who appeared or vanished until somebody looks; called by a thread of the network."""
         name = key.rpartition("/")[2]
-        if name == self.name:
-            return
-        with self._lock:
-            if not there:
-                self._inbox.forget(name)
-            partner = self._partner(name)
-            if partner is not None:
-                self._say(name, partner.come() if there else partner.leave())
+        if name != self.name and is_name(name):
+            self._inbox.see(name, there, name in self._partners)
 
     def _now(self) -> float:
         """Return the time on the clock of the messages, s. Who has slept begins anew: it may be a second off then."""
@@ -266,6 +260,14 @@ class Share(NotCopied, Closing):
 
     def _read(self) -> float:
         """Read what has come, as much as one look may; returns the time, s."""
+        changes = self._inbox.changes()
+        for name in changes.vanished:
+            if name in self._partners:
+                self._say(name, self._partners[name].leave())
+        for name in changes.appeared:
+            partner = self._partner(name)
+            if partner is not None:
+                self._say(name, partner.come())
         for each in self._inbox.take():
             self._read_one(each)
         now, dropped = self._now(), self._inbox.dropped
@@ -319,6 +321,8 @@ class Share(NotCopied, Closing):
                 del self._partners[gone[0]]
             clock, silence = self.parameters.clock, self.parameters.partner
             self._partners[name] = Partner(name, (self.name, self.run), clock, silence)
+            if self._inbox.is_present(name):  # also one that came when there was no room
+                self._say(name, self._partners[name].come())
         return self._partners[name]
 
     def _say(self, about: str, lines: list[str]) -> None:
@@ -345,7 +349,9 @@ class Share(NotCopied, Closing):
                 waiting = [(each, each.offset.at(now) is None) for each in self._partners.values() if each.here]
             if self._ros is not None:
                 self._ros.forget(now)
-            for partner, unknown in waiting:
+            for partner, unknown in sorted(waiting, key=lambda each: due.get(each[0].name, 0.0)):
+                if self.clock.now() - now > self.parameters.clock.interval:
+                    break  # others wait for their messages to be read; the rest comes first in the next round
                 if now >= due.get(partner.name, now) or unknown:
                     due[partner.name] = now + self.parameters.clock.interval
                     self._compare(partner)

@@ -46,6 +46,20 @@ def test_what_does_not_fit_is_told_at_the_end(tmp_path: Path) -> None:
     assert 0 < (tmp_path / "a.rrd").stat().st_size <= 100_000
 
 
+def test_where_nothing_fits_what_exists_stays(tmp_path: Path) -> None:
+    path, before = tmp_path / "a.rrd", resource.getrlimit(resource.RLIMIT_FSIZE)
+    path.write_bytes(b"mine")
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        file = written(path, b"new")
+        with pytest.raises(OSError, match="too large"):
+            file.close()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert path.read_bytes() == b"mine"
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_a_file_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="No such file or directory"):
         PipedFile(tmp_path / "none" / "a.rrd")

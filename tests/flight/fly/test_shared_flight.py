@@ -94,5 +94,30 @@ def test_what_cannot_be_shared_never_ends_a_flight() -> None:
     assert [line for line in said if line.startswith("not shared")] == [
         "not shared: this cannot be shared: it sends a damaged message"
     ]
-    assert said.count("shared with left: began anew") == 3
-    assert len(said) == 4
+    assert said.count("shared with left: began anew") == 4
+    assert len(said) == 5
+
+
+class TalkingShare(RefusingShare):
+    """Has much to tell at once."""
+
+    def __init__(self) -> None:
+        self.lines = [f"left: {number}" for number in range(5)]
+
+    def publish(self, *_: object) -> None:
+        pass
+
+    def news(self) -> list[str]:
+        lines, self.lines = self.lines, []
+        return lines
+
+
+def test_a_step_says_few_lines_and_the_end_says_the_rest() -> None:
+    said, share = list[str](), TalkingShare()
+    shared = SharedFlight(share, said.append, 2)  # type: ignore[arg-type]
+    for expected in (2, 4):
+        shared.add(SimpleNamespace(steps=[SimpleNamespace(frame=None, now=1.0)]))  # type: ignore[arg-type]
+        assert len(said) == expected
+    share.lines = ["left: gone"]
+    shared.close()
+    assert said == [*(f"shared with left: {number}" for number in range(5)), "shared with left: gone"]

@@ -61,13 +61,16 @@ class PipedFile(Closing):
             self._file.discard()
 
     def close(self) -> None:
-        """Finish the file, which the library has closed, and give it its name."""
+        """Finish the file, which the library has closed, and give it its name, unless nothing could be written."""
         if self._file is None:
             if self.name != self._path:
                 self.name.replace(self._path)
             return
         self._thread.join()
-        self._file.close()
+        if self._file.error is not None and not self._file.size:
+            self._file.discard()
+        else:
+            self._file.close()
         self.check()
 
     def check(self) -> None:

@@ -22,10 +22,14 @@ class SharedFlight(Closing):
         Closed at the end; None: nothing is shared.
     say : callable
         Told each line.
+    lines : int
+        Lines that are said in a step; the rest waits for the next one. More says sooner what happens to many, less
+        takes less time from a step: a line may wait for a terminal. Chosen by hand.
     """
 
-    def __init__(self, share: "Share | None", say: Callable[[str], None]) -> None:
-        self._share, self._say = share, say
+    def __init__(self, share: "Share | None", say: Callable[[str], None], lines: int = 2) -> None:
+        self._share, self._say, self._most = share, say, lines
+        self._news = list[str]()
         self._found, self._times = dict[str, "Shareable"](), dict[str, float]()
         self._refused = False
 
@@ -44,12 +48,20 @@ class SharedFlight(Closing):
             if not self._refused:
                 self._refused = True
                 self._say(f"not shared: {error}")
-        for line in self._share.news():
-            self._say(f"shared with {line}")
+        self._news += self._share.news()
+        self._tell(self._most)
 
     def close(self) -> None:
         """Say what came from each partner, and share nothing more."""
         if self._share is not None:
+            self._news += self._share.news()
+            self._tell(len(self._news))
             for each in self._share.partners():
                 self._say(f"shared with {each.summary}")
             self._share.close()
+
+    def _tell(self, count: int) -> None:
+        """Say so many of the lines that wait."""
+        for line in self._news[:count]:
+            self._say(f"shared with {line}")
+        del self._news[:count]

@@ -228,7 +228,7 @@ class FileTracking(Closing):
             try:
                 self._do(wish)
             except InterruptedReadingError:  # something newer goes first; of clicks that one counts alone
-                if isinstance(wish, Begin) and len(self._wishes):
+                if isinstance(wish, Begin) and self._wishes.has_click:
                     self._turn_away(wish, NEWER)
                 else:
                     self.ask(wish)

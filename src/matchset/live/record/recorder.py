@@ -51,7 +51,8 @@ class PageRecorder(Closing):
 
     def changed(self, feed: Feed | None) -> None:
         """End the recording: something else is shown."""
-        self.end()
+        if feed is not self._feed:
+            self.end()
         self._feed = feed
 
     def begin(self) -> None:

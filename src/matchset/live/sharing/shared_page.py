@@ -32,12 +32,15 @@ class SharedPage(Panel, Closing):
         Closed with it.
     note : callable
         Told each line about partners.
+    lasting : float
+        Age of a picture, s, above which its stream is left out when one of another stream is shared. Less leaves out
+        slow cameras, more shows longer what one saw that has ended. Chosen by hand: a camera of one picture a second.
     """
 
     name = "sharing"
 
-    def __init__(self, share: Share, note: Callable[[str], None]) -> None:
-        self._share, self._note, self._refused = share, note, False
+    def __init__(self, share: Share, note: Callable[[str], None], lasting: float = 3.0) -> None:
+        self._share, self._note, self._refused, self._lasting = share, note, False, lasting
         self._lock = threading.Lock()  # pictures come from a thread for each camera, another source from the server's
         self._seen: dict[int, tuple[float, list[SentTarget]]] = {}
 
@@ -78,7 +81,7 @@ class SharedPage(Panel, Closing):
         """Publish the newest targets of all streams."""
         found, times = list[SentTarget](), dict[str, float]()
         for time, targets in self._seen.values():
-            for each in targets:
+            for each in targets if now - time <= self._lasting else ():
                 name = each.name if each.name not in times else free_name(each.name[: LONGEST_NAME - 4], times)
                 found.append(each._replace(name=name))
                 times[name] = time

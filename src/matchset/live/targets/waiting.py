@@ -26,6 +26,12 @@ class WaitingWishes(Generic[T]):
     def __len__(self) -> int:
         return len(self._waiting)
 
+    @property
+    def has_click(self) -> bool:
+        """Whether a click waits."""
+        with self._lock:
+            return any(isinstance(each, Begin) for each in self._waiting)
+
     def put(self, wish: T) -> T | None:
         """Keep a wish.
 

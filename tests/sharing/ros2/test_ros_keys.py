@@ -150,7 +150,8 @@ def test_who_listens_as_ros_does_gets_messages_that_rosbags_reads(listener: Conn
 
         until(published)
         assert all(TOPIC.fullmatch(key) for key in heard)
-        mine = {token for token in tokens if token.split("/")[8] == f"matchset_{name}"}
+        until(lambda: sum(f"/matchset_{name}" in token for token in tokens.copy()) >= 4)  # a node, three publishers
+        mine = {token for token in tokens.copy() if token.split("/")[8] == f"matchset_{name}"}
         assert {token.split("/")[9] for token in mine if "/MP/" in token} == {
             f"%{name}%detections",
             f"%{name}%blue_ball%pose",

@@ -28,18 +28,6 @@ Send = Callable[[bytes, bytes | None], None]
 
 
 @pytest.fixture
-def key() -> str:
-    """A key that no other test has: all meet at the same port."""
-    return f"test/{secrets.token_hex(8)}"
-
-
-@pytest.fixture
-def share(key: str) -> Iterator[ms.Share]:
-    with ms.Share("me", key=key) as made:
-        yield made
-
-
-@pytest.fixture
 def left(share: ms.Share, key: str) -> Iterator[ms.Share]:
     """A partner, which is heard."""
     with ms.Share("left", key=key) as made:

@@ -1,7 +1,6 @@
 """Two computers, as two processes: poses come, and whatever a partner does, the other goes on and says so in a line."""
 
 import re
-import secrets
 import shutil
 import signal
 import socket
@@ -24,18 +23,6 @@ from sharing_processes import HOUR_OFF, NEWER, Heard, begun, until
 Begin = Callable[..., "subprocess.Popen[str]"]
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh, the extra `net`, is not installed")
-
-
-@pytest.fixture
-def key() -> str:
-    """A key that no other test has: all meet at the same port."""
-    return f"test/{secrets.token_hex(8)}"
-
-
-@pytest.fixture
-def share(key: str) -> Iterator[ms.Share]:
-    with ms.Share("me", key=key) as made:
-        yield made
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """A computer that sleeps, as a clock that a test sets: no pose from before is used afterwards, by nobody."""
 
-import secrets
 import time
 
 import pytest
@@ -20,12 +19,6 @@ class Laptop:
         self.slept, right = 0.0, Clock()
         self.clock = Clock(lambda: right.now() + self.slept)
         self.awake = Clock(lambda: right.now() + self.slept, lambda: right.awake() + self.slept)
-
-
-@pytest.fixture
-def key() -> str:
-    """A key that no other test has: all meet at the same port."""
-    return f"test/{secrets.token_hex(8)}"
 
 
 def test_what_came_before_this_computer_slept_is_old_and_what_comes_then_is_not(key: str) -> None:

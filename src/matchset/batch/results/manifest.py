@@ -75,9 +75,7 @@ class Manifest(Closing):
 
     def __init__(self, store: Store, root: Path) -> None:
         self._store, self._waiting, self._parts = store, list[bytes](), 0
-        self._own = secrets.token_hex(
-            4
-        )  # in the names of parts: a batch that slept takes none of those of the next one
+        self._own = secrets.token_hex(4)  # of the names of parts: a batch that slept takes none of the next one's
         self._ended: dict[int, tuple[bytes, bool]] = {}  # of each folder the last: what it was, and whether it is done
         self._dropped = 0
         heading: Heading | None = None

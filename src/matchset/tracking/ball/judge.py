@@ -151,11 +151,14 @@ class Judge:
     def know(self, sample: Sample | None) -> None:
         """Know the colors of the target from a picture that shows it, or none of them.
 
+        They are kept while the network is not asked, too: it may be asked later.
+
         Parameters
         ----------
         sample : Sample or None
         """
-        self._sample, self._gains = sample if self.limits.used else None, np.ones(1)
+        self._sample = sample
+        self._gains = np.ones(1)
         self._known: Colors | None = None
 
     def relight(self, gains: Floats) -> None:

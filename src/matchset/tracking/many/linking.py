@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.tracking.many.assignment import assigned
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.tracklet import Followed, Hypothesis, Tracklet
@@ -301,11 +302,3 @@ class Linking:
                 ended.append(tracklet)
         self.bank.free(target.slot)
         return ended
-
-
-def assigned(costs: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Rows and columns of the cheapest assignment. SciPy is loaded here: who follows one target needs none."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, columns = linear_sum_assignment(costs)
-    return rows, columns

@@ -249,8 +249,7 @@ class Tracker(Copied, Generic[S]):
             check_start(image, self.color, self._start)
             self._format = image.shape
         if self._frames:
-            passed = time - self._time
-            self._interval = passed if passed < 1.0 else 1.0
+            self._interval = min(time - self._time, 1.0)
         self._time, self._frames = time, self._frames + 1
         return channels_last(image)
 

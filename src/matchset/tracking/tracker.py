@@ -16,7 +16,7 @@ from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
-from matchset.tracking.ball.lost_ball import LostBall
+from matchset.tracking.ball.estimator import BallEstimator
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, track_of
 from matchset.tracking.detectors import Detectors
@@ -92,7 +92,7 @@ class Tracker(Copied, Generic[S]):
         self.step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
         self._detectors = Detectors(self._fitter, self.parameters)
-        self._ball = LostBall(self.step, self.parameters, self._detectors)
+        self._ball = BallEstimator(self.step, self.parameters)
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
@@ -216,11 +216,10 @@ class Tracker(Copied, Generic[S]):
         self._last = track.shape
         if self.step.without_outline:
             return track
-        if rejected is not None or self._frames % self.parameters.remembered == 1 or not self._ball.seen:
-            self._ball.remember(image, gate_of(self._family, track.shape.state))
+        if self._ball.is_due(self._time):
+            x, y, radius = gate_of(self._family, track.shape.state)
+            self._ball.note(image, (x, y, radius), self._time, self._fitter.statistics.msac_score)
             self._adapting.keep(image, self.color)
-        elif self._frames % self.parameters.others.period == 0:
-            self._ball.notice_others(image, self.color, gate_of(self._family, track.shape.state), self._time)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
 
@@ -266,27 +265,33 @@ class Tracker(Copied, Generic[S]):
 
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
-        predicted, judged = self._coast(), self._ball.knows() and self.step.outlines.judges(self.color)
-        if not judged or (predicted is None and self._frames % 2 == 1):  # of a lost ball, by turns with its own search
+        predicted = self._coast()
+        if self._ball.knows() and self.step.outlines.judges(self.color):
+            if self._found_ball(image, predicted):
+                return None
+        elif self._begun(image):
+            return None
+        else:
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
-            best = best if not judged or self._ball.confirms(image, self.color, best) else None
             rejection = "" if best is None else self._confirm(image, best, predicted)
             if rejection is None:
                 return None
             reason = rejection or reason
-        if self._found_ball(image, predicted):
-            return None
         near = self._last is not None and fills_picture(image, self.color, self._last, self.parameters.too_near)
         return Lost(TOO_NEAR if near else reason, self._time, self._shape_of(predicted))
 
     def _found_ball(self, image: Image, predicted: Floats | None) -> bool:
-        """Find a ball with the network: the lost one, or in the first picture that which was clicked."""
-        if self._last is not None:
-            expected = None if predicted is None else gate_of(self._family, predicted)
-            where = gate_of(self._family, self._last.state), expected
-            return self._ball.knows() and self._ball.find(image, self.color, *where, self._time, self._interval)
+        """Find a ball that was seen before, with the network."""
+        assert self._last is not None
+        expected = None if predicted is None else gate_of(self._family, predicted)
+        last = gate_of(self._family, self._last.state)
+        return self._ball.find(image, self.color, last, expected, (self._time, self._interval))
+
+    def _begun(self, image: Image) -> bool:
+        """Begin in the first picture with the ball that was clicked, as the network sees it; whether it does."""
         clicked = self._clicked() if self._frames == 1 else None
-        if clicked is None or not self._ball.begin(image, self.color, clicked, self._time):
+        judges = clicked is not None and self.step.outlines.judges(self.color)
+        if clicked is None or not judges or not self._ball.begin(image, self.color, clicked, self._time):
             return False
         self._hint = None
         return True
@@ -313,7 +318,7 @@ class Tracker(Copied, Generic[S]):
             elif self._hint is not None:
                 if math.dist(estimate.state[:2].tolist(), self._hint) < self._family.half_width(estimate.state):
                     merit += self.parameters.detection.hint_bonus
-                elif self._fitter.validate_detection(estimate, self._ball.elsewhere(self.color, self._frames == 1)):
+                elif self._fitter.validate_detection(estimate, self._elsewhere(self._frames == 1)):
                     continue
             elif not self._is_expected(estimate):
                 continue
@@ -339,8 +344,6 @@ class Tracker(Copied, Generic[S]):
     def _is_expected(self, estimate: Estimate) -> bool:
         """Whether a detection can be the target: about where it was seen last, or else with full evidence."""
         limits, last, there = self.parameters.reach, self._last, gate_of(self._family, estimate.state)
-        if self._ball.is_other(there, self._time):
-            return False
         if last is not None and estimate.evidence is not None:
             here = gate_of(self._family, last.state)
             ratio = max(here.half_width, there.half_width) / min(here.half_width, there.half_width)
@@ -356,7 +359,7 @@ class Tracker(Copied, Generic[S]):
         here, there = gate_of(self._family, predicted), gate_of(self._family, estimate.state)
         if here.near(there, limits):
             return True
-        prior = self._ball.elsewhere(self.color, here.alone(there, limits))
+        prior = self._elsewhere(here.alone(there, limits))
         valid = not self._fitter.validate_detection(estimate, prior)
         return valid and here.reachable(there, self.step.missed(self._time, self._interval), limits)
 
@@ -389,8 +392,15 @@ class Tracker(Copied, Generic[S]):
             return Prior.HERE
         weighs = self._fitter.weighs(self.color)
         if self._hint is None:
-            return self._ball.elsewhere(self.color, not weighs or self._last is None)
+            return self._elsewhere(not weighs or self._last is None)
         return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
+
+    def _elsewhere(self, unknown: bool) -> Prior:
+        """Say what is known of a shape that is neither where somebody clicked nor where it is expected.
+
+        A color that was learned against what is next to the target may be anywhere else.
+        """
+        return Prior.NONE if unknown or (self.color.is_local and self._last is None) else Prior.PRESENT
 
     def _shape_of(self, state: Floats | None) -> S | None:
         """Shape of an extrapolated state, None where there is none or it has shrunk to nothing."""

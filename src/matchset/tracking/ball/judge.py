@@ -94,7 +94,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     """
 
     used: bool = True
-    looks: int = 12
+    looks: int = 6
     follow: NetworkFollowParameters = NetworkFollowParameters(rounds=5, still=0.3)
     search: NetworkFollowParameters = NetworkFollowParameters(rounds=5, still=0.3, hopeless=-2.0)
     moved: float = 1.0
@@ -120,7 +120,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     renewed: float = 4.5
     clicked: float = 3.0
     chroma_sigma: float = 6.0
-    size_sigma: float = 0.07
+    size_sigma: float = 0.12
     range_share: float = 0.03
     min_range_px: float = 1.5
     sigma_share: float = 0.4
@@ -199,8 +199,21 @@ class Judge:
         discs, taken = DiscNetwork.packaged().lead(image, new, follow, self._colors(), self.left)
         self.left -= taken
         self._led |= dict(zip(new, discs, strict=True))
+        return self._found(image, begin)
+
+    def seen(self, image: Image) -> list[Disc]:
+        """Discs to which the network was led in this picture so far.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        """
+        return self._found(image, list(self._led))
+
+    def _found(self, image: Image, starts: Sequence[Circle3]) -> list[Disc]:
+        """Discs to which some starts led, in the picture and near to where they began."""
         (height, width), found = image.shape[:2], []
-        for start in begin:
+        for start in starts:
             disc = self._led[start]
             if disc is None or np.abs(np.subtract(disc.circle, start)).sum() >= self.limits.moved * start[2]:
                 continue

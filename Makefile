@@ -58,7 +58,7 @@ link-peers: .mavlink/ready .tello/ready  ## programs of others that the links ar
 bench: $(PEERS) $(VISP) $(BROWSER)  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
 
-bench-quick: $(PEERS)  ## has a change made it slower or less exact? (two minutes, three with real footage)
+bench-quick: $(PEERS)  ## has a change made it slower or less exact? (three minutes, four with real footage)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.guard $(ARGS)
 
 bench-real: $(PEERS)  ## real footage and times, as a user has them, against what is kept (20 minutes; ARGS="--only time --store")

@@ -1,9 +1,10 @@
-"""Has a change made it slower or less exact? `python -m benchmarks.guard`, or `make bench-quick`: three minutes.
+"""Has a change made it slower or less exact? `python -m benchmarks.guard`, or `make bench-quick`: four minutes.
 
 Ratios of times and figures of accuracy are held against those in `limits.toml`; what has lost more than a quarter
 fails. Ratios are of minima over some rounds, the best round counts: a busy machine can make one round slow, not all
 of them. On other machines ratios differ more than that: `--slack 2` allows twice as much for times. Figures of
-accuracy hang on neither the machine nor the hour. Where the real clips are, the fast part of `make bench-real` follows.
+accuracy hang on neither the machine nor the hour. The fast part of `make bench-real` follows: small balls, and where
+the real clips are, the quickest of them and single pictures.
 """
 
 import time

@@ -21,7 +21,7 @@ def main(
     data: Annotated[Path, typer.Option(help="Folder with the real clips.")] = DATA,
     photographs: Annotated[Path, typer.Option(help="Folder with photographs, for random videos.")] = PHOTOGRAPHS,
     only: Annotated[str, typer.Option(help="accuracy, time, or names of sections, joined by commas.")] = "",
-    quick: Annotated[bool, typer.Option("--quick", help="The fast part, one to two minutes.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="The fast part, two to three minutes.")] = False,
     slack: Annotated[float, typer.Option(help="Factor on the limits of times, for noisy or other machines.")] = 1.0,
     store: Annotated[bool, typer.Option("--store", help="Write what is measured, and REAL.md.")] = False,
 ) -> None:
@@ -33,12 +33,12 @@ def main(
     console = Console(highlight=False)
     job, notes = job_of(data, photographs, quick)
     console.print(*notes, sep="\n", end="\n" if notes else "")
-    if not job.clips:
-        raise typer.BadParameter(f"no clips in {data}")
     try:
         names = chosen(only, quick, job.photographs is not None)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
+    if not job.clips and any(SECTIONS[name].footage for name in names):
+        raise typer.BadParameter(f"no clips in {data}")
     kept, measured = read(), list[Figure]()
     for name in names:
         figures, origin = measure(name, job, console)

@@ -39,6 +39,8 @@ ERROR = Kind("smaller", 0.05, 1.1, "a tenth and 0.05 px: a tenth of what a label
 NOTHING = Kind("smaller", 0.5, 1.0, "less than one click of a hundred")
 COUNT = Kind("smaller", 1.0, 1.0, "one answer: where a rule is passed by a hair, a rounding decides")
 SOME = Kind("smaller", 2.0, 1.05, "two answers, and a twentieth of many: a drift that once is far stays so some frames")
+STILLS = Kind("larger", 2.0, 1.0, "two balls of a hundred, or one of a folder: a rounding decides over a faint one")
+FLIGHT = Kind("smaller", 0.5, 1.1, "half a centimeter and a tenth: a picture that is answered otherwise moves a flight")
 NEVER = Kind("smaller", 0.0, 1.0, "none: it must be 0, or what it was")
 BEGUN = Kind("larger", 2.0, 1.0, "one click of fifty")
 MEDIAN = Kind("smaller", 0.1, 1.3, "a median of minima varies by a tenth on a quiet machine")
@@ -56,6 +58,8 @@ KINDS = (
     NOTHING,
     COUNT,
     SOME,
+    STILLS,
+    FLIGHT,
     NEVER,
     BEGUN,
     MEDIAN,

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from benchmarks.machine import ROOT
 from benchmarks.real.clips import find_clips
+from benchmarks.regression.balls.stills import FOLDER as STILLS
 from benchmarks.regression.figures import EXCEPTIONS, NEVER, Figure
 from benchmarks.regression.kept import Kept, Origin, missing, read, unknown, worse
 from benchmarks.regression.page import number
@@ -23,6 +24,8 @@ PHOTOGRAPHS = ROOT.parent / "photographs"
 def job_of(data: Path, photographs: Path, quick: bool) -> tuple[Job, list[str]]:
     """Find clips and photographs, and say what is missing."""
     clips, notes = find_clips(data)
+    if not (data / STILLS).is_dir():
+        notes.append(f"`{STILLS}`: skipped, not found")
     there = photographs if photographs.is_dir() else None
     if there is None and not quick:
         notes.append(f"no photographs in {photographs} (python -m training.rendering.photographs {photographs})")
@@ -81,6 +84,6 @@ def fast_part(console: Console, data: Path, slack: float) -> int:
     job, _ = job_of(data, PHOTOGRAPHS, quick=True)
     if not job.clips:
         console.print(f"real footage: not measured, no clips in {data}")
-        return 0
-    measured = [figure for name in chosen(quick=True) for figure in measure(name, job, console)[0]]
+    names = chosen(quick=True, clips=bool(job.clips))
+    measured = [figure for name in names for figure in measure(name, job, console)[0]]
     return verdict(console, measured, read(), slack)

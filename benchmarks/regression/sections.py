@@ -7,6 +7,7 @@ import msgspec
 
 from benchmarks.real.clips import Clip
 from benchmarks.regression import drawn, footage, rendered, times, worse_copies
+from benchmarks.regression.balls import equal, flights, small, stills
 from benchmarks.regression.figures import Figure
 
 
@@ -43,6 +44,8 @@ class Section(msgspec.Struct, frozen=True):
         Whether it has a fast part.
     photographs : bool
         Whether it needs photographs.
+    footage : bool
+        Whether it needs clips or other files of their folder.
     figures : tuple of str
         The sections of its figures.
     """
@@ -52,6 +55,7 @@ class Section(msgspec.Struct, frozen=True):
     figures: tuple[str, ...]
     quick: bool = False
     photographs: bool = False
+    footage: bool = True
 
 
 def _videos(job: Job) -> list[Figure]:
@@ -91,30 +95,66 @@ SECTIONS = {
         lambda _: rendered.measure_false_locks(),
         "A thousand rendered frames without the ball for each of two seeds.",
         (rendered.FALSE_LOCKS,),
+        footage=False,
     ),
     "shapes": Section(
         lambda _: rendered.measure_shapes(),
         f"Two sequences of {rendered.SHAPE_FRAMES} rendered frames of each shape; *hidden*: a third of the outline.",
         (rendered.SHAPES,),
+        footage=False,
     ),
     "videos": Section(
         _videos,
         f"Random videos {drawn.VIDEOS[0]} to {drawn.VIDEOS[-1]}, matchset alone.",
         (drawn.SECTION,),
         photographs=True,
+        footage=False,
     ),
     "clicks": Section(
         _clicks,
         f"Three clicks into the first frames of the random videos {drawn.CLICKED[0]} to {drawn.CLICKED[-1]}.",
         (drawn.CLICKS,),
         photographs=True,
+        footage=False,
+    ),
+    "small": Section(
+        lambda job: small.measure(job.quick),
+        f"Sixteen rendered scenes of {small.PICTURES} pictures with a small fast ball, seeds {small.REPORTED} to "
+        f"{small.REPORTED + 15}, each from one click. *Right*: the center is less than half a radius off, or less than "
+        f"{small.RIGHT_PX:g} px. *Wrong*: it is more than {small.FAR:g} radii off, and more than {small.FAR_PX:g} px.",
+        (small.SECTION,),
+        quick=True,
+        footage=False,
+    ),
+    "stills": Section(
+        lambda job: stills.measure(job.data),
+        "`detect` searches single pictures of a football field, with the color of a click at the center of the widest "
+        "ball of the same folder. *Found*: a label's center within half the size of its box, or "
+        f"{stills.WITHIN_PX:g} px, and its radius within a factor {stills.RATIO:g}. *False*: what is no labelled ball.",
+        (stills.SECTION,),
+        quick=True,
+    ),
+    "equal": Section(
+        lambda _: equal.measure(),
+        f"Two equal red balls, a blue one that passes before one of them, {equal.PICTURES} rendered pictures. One "
+        f"click, in each of {len(equal.STARTS)} pictures. *Right*: the center is less than half a radius off. *Wrong*: "
+        f"it is more than {equal.FAR:g} radii off.",
+        (equal.SECTION,),
+        footage=False,
+    ),
+    "flights": Section(
+        lambda _: flights.measure(),
+        f'`matchset fly "sim://chain?seed=N"` for {len(flights.SEEDS)} seeds, {flights.DURATION:g} s each. *Worst '
+        "axis*: the largest root mean square off the set place, of any follower in any axis.",
+        (flights.SECTION,),
+        footage=False,
     ),
     "time": Section(lambda job: times.measure(job.clips, job.quick), times.HOW, times.FIGURES, quick=True),
 }
 ACCURACY, TIME = "accuracy", "time"
 
 
-def chosen(only: str = "", quick: bool = False, photographs: bool = True) -> list[str]:
+def chosen(only: str = "", quick: bool = False, photographs: bool = True, clips: bool = True) -> list[str]:
     """Name the sections of a choice.
 
     Parameters
@@ -125,6 +165,8 @@ def chosen(only: str = "", quick: bool = False, photographs: bool = True) -> lis
         Those with a fast part only.
     photographs : bool
         Whether there are photographs; without them some are left out.
+    clips : bool
+        Whether there are clips; without them some are left out.
 
     Returns
     -------
@@ -141,4 +183,5 @@ def chosen(only: str = "", quick: bool = False, photographs: bool = True) -> lis
     if strange:
         raise ValueError(f"choose accuracy, time or some of {', '.join(SECTIONS)}, got {', '.join(strange)}")
     fast = [name for name in names if SECTIONS[name].quick or not quick]
-    return [name for name in fast if photographs or not SECTIONS[name].photographs]
+    shown = [name for name in fast if photographs or not SECTIONS[name].photographs]
+    return [name for name in shown if clips or not SECTIONS[name].footage]

@@ -120,7 +120,8 @@ def test_parts_are_chosen_by_name() -> None:
     assert chosen() == list(SECTIONS)
     assert "time" not in chosen("accuracy")
     assert chosen("time") == ["time"]
-    assert chosen(quick=True) == ["standard", "time"]
+    assert chosen(quick=True) == ["standard", "small", "stills", "time"]
+    assert chosen(quick=True, clips=False) == ["small"]
     assert chosen("videos,shapes", photographs=False) == ["shapes"]
     with pytest.raises(ValueError, match=r"choose accuracy, time or some of .*, got speed"):
         chosen("speed")
@@ -208,10 +209,20 @@ def test_exceptions_are_counted_and_named(clip: Clip, monkeypatch: pytest.Monkey
         tracker.update(frame)
 
 
-def test_without_clips_the_fast_part_says_so(tmp_path: Path) -> None:
+def test_without_clips_the_fast_part_says_so_and_measures_what_is_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measured: list[str] = []
+
+    def nothing(name: str, *_: object) -> tuple[list[Figure], Origin]:
+        measured.append(name)
+        return [], ORIGIN
+
+    monkeypatch.setattr(run, "measure", nothing)
     console = Console(record=True, width=200)
     assert run.fast_part(console, tmp_path, 1.0) == 0
     assert f"real footage: not measured, no clips in {tmp_path}" in console.export_text()
+    assert measured == ["small"]
 
 
 def test_the_exit_code_says_whether_something_is_worse() -> None:

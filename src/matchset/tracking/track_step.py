@@ -189,6 +189,8 @@ class TrackStep(Copied, Generic[S]):
         estimate = estimate._replace(rejection=Rejection.NONE)
         predicted, innovation = motion.predicted[:2].tolist(), float(motion.innovation)
         speed = when[1] * float(motion.speed)
+        if speed > self.parameters.ball.streak * estimate.fit.half_width:
+            return estimate._replace(rejection=Rejection.LOW_COLOR_SCORE)
         chosen = self._with_modes(image, color, estimate, speed)
         chosen = chosen or self.outlines.choose(image, color, estimate, when, speed)
         if chosen is not None:

@@ -204,6 +204,8 @@ class Tracker(Copied, Generic[S]):
         rejected = self._tracked(image)
         if rejected is not None and self._relight(image):
             rejected = self._tracked(image)
+        if rejected is None and self._on_look_alike(image):
+            rejected = NOT_FOUND
         if rejected is not None:
             reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
             if (lost := self._detect(image, reason)) is not None:
@@ -228,6 +230,13 @@ class Tracker(Copied, Generic[S]):
         if self.mode is Mode.SEARCHING:
             return NOT_FOUND
         return self.step.track(image, self.color, self._time, self._interval, self._frames)
+
+    def _on_look_alike(self, image: Image) -> bool:
+        """Whether what is followed stood there while the ball was elsewhere; asked as often as the color is renewed."""
+        if not (self._ball.knows() and self._ball.is_due(self._time) and self.step.outlines.judges(self.color)):
+            return False
+        x, y, radius = gate_of(self._family, self._fitter.state)
+        return self._ball.is_look_alike(image, self.color, (x, y, radius))
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""

@@ -248,7 +248,12 @@ def arrivals(
 
 
 def share_before(
-    changes: Changes, known: tuple[ColorModel, npt.NDArray[np.float32]], circle: Circle3, limits: ChangeParameters
+    changes: Changes,
+    known: tuple[ColorModel, npt.NDArray[np.float32]],
+    circle: Circle3,
+    limits: ChangeParameters,
+    *,
+    moved: bool = True,
 ) -> float:
     """Say how much of a disc was there before the ball was, in or near its place, as a share of its area.
 
@@ -264,6 +269,8 @@ def share_before(
     circle : (x, y, radius)
         The disc, px.
     limits : ChangeParameters
+    moved : bool
+        Whether look-alikes that have moved count too.
     """
     (x, y, radius), (across, down), reference = circle, changes.scale, changes.reference
     color, pixel = known
@@ -282,5 +289,6 @@ def share_before(
     inside = (px - x) ** 2 + (py - y) ** 2 < radius**2
     own_x, own_y, own_radius = reference.circle
     free = (px - own_x) ** 2 + (py - own_y) ** 2 > (limits.own * max(own_radius, radius)) ** 2
-    counted = np.where(inside, alike | (~changed & tells), alike & changed) & free
+    there = ~changed & (alike | tells) if not moved else alike | (~changed & tells)
+    counted = np.where(inside, there, alike & changed & moved) & free
     return float(counted.sum()) / max(int(inside.sum()), 1)

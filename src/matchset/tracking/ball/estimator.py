@@ -85,6 +85,8 @@ class _Search(NamedTuple):
     ----------
     image : ndarray of shape (h, w, channels), uint8
     color : ColorModel
+    last : (x, y, radius)
+        Where it was seen last, px.
     expected : ExpectedPlace
     interval : float
         Since the picture before, s.
@@ -95,6 +97,7 @@ class _Search(NamedTuple):
 
     image: Image
     color: ColorModel
+    last: Circle3
     expected: ExpectedPlace
     interval: float
     changes: Changes | None
@@ -216,7 +219,7 @@ class BallEstimator:
         starts, proposed = self._propose(belief, search, is_expected=expected is not None)
         network = self._step.outlines.network
         network.discs(image, [np.array(each) for each in starts], searched=True)
-        discs = network.seen(image)
+        discs = self._with_arrivals(search, network.seen(image))
         candidates = self._measure(belief, search, discs)
         best = max(candidates, key=lambda each: each.log_odds, default=None)
         found = best is not None and self._take(search, best, when[0], expected)
@@ -257,7 +260,7 @@ class BallEstimator:
             changes = changes_since(image, belief.reference, limits.changes)
         if changes is not None:
             arrived = arrivals(changes, belief.pixel, radius, limits.changes)
-        return _Search(image, color, expected, when[1], changes, arrived)
+        return _Search(image, color, belief.circle, expected, when[1], changes, arrived)
 
     def _propose(self, belief: Belief, search: _Search, *, is_expected: bool) -> tuple[list[Circle3], list[Circle3]]:
         """Circles from which the network is led, the likeliest first, and which of them its color proposed."""
@@ -289,6 +292,51 @@ class BallEstimator:
     def _merit(self, rank: int, circle: Circle3, expected: ExpectedPlace) -> float:
         """Merit of a place that is looked at: its prior, less a little for each that is better."""
         return log_prior_of_place(circle[:2], expected, self._parameters.ball.place) - self._parameters.ball.rank * rank
+
+    def _with_arrivals(self, search: _Search, discs: list[Disc]) -> list[Disc]:
+        """Discs of the network and of what has arrived, and of a streak both together."""
+        limits, expected = self._parameters.ball, search.expected
+        found = list[Disc]()
+        taken = set[Arrival]()
+        for disc in discs:
+            near = [each for each in search.arrived if math.dist(each[:2], disc.circle[:2]) < disc.circle[2]]
+            taken.update(near)
+            away = math.dist(disc.circle[:2], search.last[:2]) / expected.missed
+            found.append(self._of_mass(disc, near[0]) if near and away > limits.streak * disc.circle[2] else disc)
+        fast = expected.speed > limits.streak * expected.radius and expected.missed <= limits.unseen_pictures
+        for each in search.arrived[: limits.starts] if fast else ():
+            if each not in taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
+                precision = np.eye(3) / (limits.mass_sigma * expected.radius) ** 2
+                found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
+        return found
+
+    def _of_mass(self, disc: Disc, arrival: Arrival) -> Disc:
+        """Mean of a disc and the center of the mass that has arrived there, by their inverse covariances."""
+        known = disc.precision / self._step.outlines.network.limits.inflation
+        mass = np.diag((1.0, 1.0, 0.0)) / (self._parameters.ball.mass_sigma * disc.circle[2]) ** 2
+        there = np.array((arrival.x, arrival.y, 0.0))
+        x, y, radius = np.linalg.solve(known + mass, known @ disc.circle + mass @ there).tolist()
+        return Disc((x, y, radius), known + mass, disc.log_odds)
+
+    def is_look_alike(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
+        """Say whether what is followed stood there while the ball was elsewhere.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        circle : (x, y, radius)
+            What is followed, px.
+        """
+        belief, limits = self.belief, self._parameters.ball
+        if belief is None or belief.reference is None:
+            return False
+        if math.dist(circle[:2], belief.reference.circle[:2]) < limits.changes.own * circle[2]:
+            return False
+        changes = changes_since(image, belief.reference, limits.changes)
+        if changes is None:
+            return False
+        return share_before(changes, (color, belief.pixel), circle, limits.changes, moved=False) > limits.before
 
     def _measure(self, belief: Belief, search: _Search, discs: Sequence[Disc]) -> list[_Candidate]:
         """Features and log-odds of each disc that can be the ball."""

@@ -48,16 +48,19 @@ class Weights(msgspec.Struct, frozen=True):
     Parameters
     ----------
     bias : float
+    most_network : float
+        Log-odds of the network that count at most: it says that there is a ball, not which.
     network, color, foreign, place, arrived, before, edges : float
     """
 
     bias: float = -1.0
+    most_network: float = 3.5
     network: float = 1.0
     color: float = 1.0
     foreign: float = -1.5
     place: float = 1.0
     arrived: float = 3.0
-    before: float = -4.0
+    before: float = -5.0
     edges: float = 1.0
 
 
@@ -71,7 +74,7 @@ def log_odds(features: Features, weights: Weights) -> float:
     """
     return (
         weights.bias
-        + weights.network * features.network
+        + weights.network * min(features.network, weights.most_network)
         + weights.color * features.color
         + weights.foreign * features.foreign
         + weights.place * features.place

@@ -53,6 +53,16 @@ class BallParameters(msgspec.Struct, frozen=True):
         How near to an arrival a disc is at least, px.
     before : float
         Share of a disc that was there before from which on it is a look-alike.
+    streak : float
+        Way from picture to picture, radii, from which the center of the mass that has arrived is believed beside the
+        network's disc: its exposure is a streak.
+    mass_sigma : float
+        Standard deviation of that center, radii.
+    unseen, unseen_growth : float
+        Log-odds by the network of what has arrived where a fast ball is due and is no disc to it, and the largest
+        factor between the radius of that mass and of the ball.
+    unseen_pictures : int
+        For how many pictures after a ball was seen that counts.
     renewed_s : float
         Age from which color and reference are renewed while it is seen, s.
     renewed : float
@@ -85,6 +95,11 @@ class BallParameters(msgspec.Struct, frozen=True):
     mixed_color: float = -0.5
     least_near: float = 3.0
     before: float = 0.6
+    streak: float = 1.5
+    mass_sigma: float = 0.2
+    unseen: float = 0.0
+    unseen_growth: float = 1.5
+    unseen_pictures: int = 3
     renewed_s: float = 0.25
     renewed: float = 0.3
     least_score: float = 0.5

@@ -190,11 +190,13 @@ def test_of_a_gray_picture_the_levels_are_known() -> None:
     assert np.array_equal(colors_asked(network, gray), colors_in(relit, ball))
 
 
-def test_a_network_that_is_not_used_knows_no_colors() -> None:
-    network, image = Judge(NetworkParameters(used=False)), picture(160.0)
-    network.know(Sample(image, (160.0, 90.0, 26.0), 26.0))
+def test_colors_are_kept_while_the_network_is_not_asked() -> None:
+    network = Judge(NetworkParameters(used=False))
+    image = picture(160.0)
+    ball = (160.0, 90.0, 26.0)
+    network.know(Sample(image, ball, ball[2]))
     network.limits = NetworkParameters()
-    assert not colors_asked(network, image).size
+    assert np.array_equal(colors_asked(network, image), colors_in(image, ball))
 
 
 def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() -> None:
@@ -209,6 +211,27 @@ def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() 
     assert not np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
     tracker.restart((160.0, 90.0))
     assert np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
+
+
+def test_a_tracker_that_did_not_ask_the_network_asks_it_after_a_restart_and_knows_the_colors() -> None:
+    image = picture(160.0)
+    color = ms.ColorModel.pick(image, 160, 90)
+    assert color.sample is not None
+    tracker = ms.Tracker(ms.Circle, color)
+    tracker.step.asks_network = False
+    tracker.update(image)
+    tracker.restart()
+    assert tracker.step.asks_network
+    expected = colors_in(color.sample.image, color.sample.circle)
+    assert np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
+
+
+def test_a_tracker_whose_parameters_say_so_does_not_ask_the_network_after_a_restart_either() -> None:
+    image = picture(160.0)
+    parameters = TrackerParameters(network=NetworkParameters(used=False))
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), parameters=parameters)
+    tracker.restart()
+    assert not tracker.step.asks_network
 
 
 def test_a_search_knows_the_colors_that_were_clicked() -> None:

@@ -187,6 +187,7 @@ class Fitter(Copied, Generic[S]):
         self.interior: Floats = self.work.interior[:points]
         first = self.layout.fields["fit"][1] // 8 if self.layout.fields else 0
         self._statistics: Floats = self.block[first : first + len(FitStatistics._fields)]
+        self._field_offset: Floats = self.work.field_offset.fitted
         compiled = compile_user_function(family.trace), compile_user_function(family.half_width)
         self._step = self._make_step(*compiled, self.layout)
         self._answer = make_answer(self.layout)
@@ -305,6 +306,12 @@ class Fitter(Copied, Generic[S]):
         points, covariance = np.empty(self._answer_shape[0]), np.empty(self._answer_shape[1])
         support, count = self._answer(points, covariance, self.block)
         return support, covariance, points if count == self.points else points[:count]
+
+    @property
+    def field_offset(self) -> tuple[float, float]:
+        """From where the odd rows showed the shape to where the even rows did, in the last fit, px."""
+        x, y = self._field_offset.tolist()  # a view that is kept: to read names of a record takes 10 us
+        return x, y
 
     def assume_noise(self, fit: FitStatistics) -> None:
         """Begin the next fit with the noise of an earlier one."""

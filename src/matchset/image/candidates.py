@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.circle_score import SCORE, CircleTuple, Floats, LabImage, median, score_circle
+from matchset.image.circle_score import SCORE, CircleTuple, Floats, LabImage, best_circles, median
 from matchset.image.disc_network.lab import lab_of
 from matchset.numeric.jit import helper, kernel
 
@@ -130,10 +130,9 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     """
     small, scale = shrunk(image)
     lab = smooth_lab(small)
-    scored = sorted(((score_circle(lab, circle).whole, circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []
-    for score, circle in scored:
-        if score < max(SCORE.min_score, SCORE.min_share * scored[0][0]) or len(kept) == limit:
+    for score, circle in best_circles(lab, propose_circles(lab)):
+        if len(kept) == limit:
             break
         if not any(_same(circle, other) for _, other in kept):
             kept.append((score, circle))

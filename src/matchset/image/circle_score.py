@@ -1,5 +1,6 @@
-"""How ball-like a circle in a picture is: `score_circle`, from its rim and the color inside."""
+"""How ball-like a circle in a picture is: `score_circle`, from its rim and the color inside; of many `best_circles`."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import msgspec
@@ -165,7 +166,7 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:
         px.
     """
     x, y, radius = circle
-    angles = 2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays
+    angles = _angles()
     step = min(max(SCORE.rim_step_low, SCORE.rim_step * radius), SCORE.rim_step_high)
     places = np.array((0.5 * radius, max(radius - 2.0 * step, 0.5 * radius), radius - step, radius + step))[:, None]
     core, middle, inner, outer = _sample(lab, x + places * np.cos(angles), y + places * np.sin(angles))
@@ -183,6 +184,57 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:
     even = 1.0 / (1.0 + float(median(deviation[np.isfinite(deviation)])) / SCORE.even_scale)
     size = min(1.0, radius / SCORE.full_size) * float(visible.mean())
     return CircleScore(rim, min(1.0, contrast), min(1.0, vivid), even, size)
+
+
+def best_circles(lab: LabImage, circles: Sequence[CircleTuple]) -> list[tuple[float, CircleTuple]]:
+    """Scores of circles, and the circles, best first: all that are not far worse than the best one.
+
+    A score is no more than its rim allows. Rims are cheap to compare, all at once, and most circles have none.
+
+    Parameters
+    ----------
+    lab : ndarray of shape (h, w, 3), float32
+        The picture in CIE Lab.
+    circles : sequence of (x, y, radius)
+        px.
+    """
+    most = _most_scores(lab, circles)
+    best, scored = 0.0, list[tuple[float, CircleTuple]]()
+    for k in np.argsort(-most, kind="stable").tolist():
+        if most[k] < _least_score(best):
+            break
+        score = score_circle(lab, circles[k]).whole
+        best = max(best, score)
+        scored.append((score, circles[k]))
+    return sorted((each for each in scored if each[0] >= _least_score(best)), reverse=True)
+
+
+def _least_score(best: float) -> float:
+    """Score of a candidate where the best one has this."""
+    return max(SCORE.min_score, SCORE.min_share * best)
+
+
+def _most_scores(lab: LabImage, circles: Sequence[CircleTuple]) -> Floats:
+    """Bounds of the scores of circles: rim^3 x size."""
+    x, y, radius = np.array(circles, np.float64).reshape(-1, 3, 1).transpose(1, 0, 2)
+    step = np.clip(SCORE.rim_step * radius, SCORE.rim_step_low, SCORE.rim_step_high)
+    angles = _angles()
+    middle, inner, outer = (
+        _sample(lab, x + places * np.cos(angles), y + places * np.sin(angles))
+        for places in (np.maximum(radius - 2.0 * step, 0.5 * radius), radius - step, radius + step)
+    )
+    visible = np.isfinite(outer[..., 0]).sum(axis=1)
+    difference = np.linalg.norm(inner - outer, axis=2) * (1.0 + 1e-9)  # a bound, however sums are rounded
+    shading = np.linalg.norm(inner - middle, axis=2)
+    edges = ((difference > SCORE.rim_edge) & (difference > SCORE.rim_shading * shading)).sum(axis=1)
+    rim = edges / np.maximum(visible, 1)
+    size = np.minimum(1.0, radius[:, 0] / SCORE.full_size) * (visible / SCORE.rays)
+    return np.asarray(rim**3 * size * (1.0 + 1e-9), np.float64)
+
+
+def _angles() -> Floats:
+    """Directions in which the rim is sampled, rad."""
+    return np.asarray(2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays, np.float64)
 
 
 def median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -332,5 +332,4 @@ def track_of(
     shape = fitter.family.from_state(fitter.state, last)
     if fitter.moves_covariance and (by := slopes(shape)) is not None:
         covariance = by @ covariance @ by.T
-    x, y = fitter.work.field_offset.fitted.tolist()
-    return Track(shape, covariance, support, points, time, acquired, (x, y), pixel_aspect)
+    return Track(shape, covariance, support, points, time, acquired, fitter.field_offset, pixel_aspect)

@@ -94,6 +94,7 @@ class TrackStep(Copied, Generic[S]):
         self.faint, self.given, self.without_outline = 0, False, False
         self.outlines.spread = None
         self.acquired = None
+        self.asks_network = self.parameters.network.used
         self._make_derived()
 
     def _derive(self) -> None:

@@ -141,21 +141,27 @@ class Judge:
 
     def __init__(self, limits: NetworkParameters) -> None:
         self.limits = limits
+        self._led: dict[Circle3, Disc | None] = {}
         self.begin_picture()
         self.know(None)
 
     def begin_picture(self) -> None:
         """Have all looks of a picture before it."""
-        self.left, self._led = self.limits.looks, dict[Circle3, Disc | None]()
+        self.left = self.limits.looks
+        if self._led:  # in most pictures nobody asks
+            self._led = {}
 
     def know(self, sample: Sample | None) -> None:
         """Know the colors of the target from a picture that shows it, or none of them.
+
+        They are kept while the network is not asked, too: it may be asked later.
 
         Parameters
         ----------
         sample : Sample or None
         """
-        self._sample, self._gains = sample if self.limits.used else None, np.ones(1)
+        self._sample = sample
+        self._gains = np.ones(1)
         self._known: Colors | None = None
 
     def relight(self, gains: Floats) -> None:

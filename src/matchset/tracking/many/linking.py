@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
 
+from matchset.tracking.many.assignment import assigned
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.tracklet import Followed, Hypothesis, Tracklet
@@ -79,6 +79,7 @@ class Linking:
         self.births = True
         self.targets: list[Followed] = []
         self.tracklets: list[Tracklet] = []
+        assigned(np.zeros((1, 1)))  # so that no frame waits for SciPy
 
     def hidden(self) -> list[Followed]:
         """Targets that are not seen."""
@@ -232,7 +233,7 @@ class Linking:
                 if each in tracklet.hypotheses:
                     stays = self.limits.stays if each.tracklet is tracklet else 0.0
                     table[row, column] = -tracklet.hypotheses[each].score - stays
-        rows, taken = linear_sum_assignment(table)
+        rows, taken = assigned(table)
         chosen: list[int | None] = [None] * len(open_ones)
         for row, column in zip(rows.tolist(), taken.tolist(), strict=True):
             chosen[row] = column if column < len(columns) and table[row, column] < FORBIDDEN else None
@@ -241,7 +242,7 @@ class Linking:
     def _margin(self, table: npt.NDArray[np.float64], row: int, column: int, cost: float) -> float:
         """By how much more the best explanation costs in which a tracklet is not of its target."""
         kept, table[row, column] = table[row, column], FORBIDDEN
-        rows, taken = linear_sum_assignment(table)
+        rows, taken = assigned(table)
         other = float(table[rows, taken].sum())
         table[row, column] = kept
         return other - cost

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Sequence
 
 import msgspec
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
 from matchset.tracking.many.smoothing.joining import NOBODY, Seen, Segment, single_frames
 from matchset.tracking.many.smoothing.motion_odds import MotionOdds
@@ -204,6 +202,9 @@ def best_links(count: int, links: Sequence[tuple[int, int, float]]) -> dict[int,
     -------
     dict of int to int
     """
+    from scipy.sparse import coo_array  # slow to load, see `assigned`
+    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
     if not links:
         return {}
     rows, columns, odds = (np.array(each) for each in zip(*links, strict=True))

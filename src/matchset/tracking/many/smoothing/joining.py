@@ -7,10 +7,8 @@ from typing import NamedTuple
 
 import msgspec
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from matchset.tracking.many.assignment import assigned
 from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.smoothing.sweep import OwnedSighting
 from matchset.tracking.motion import Gate
@@ -108,6 +106,9 @@ def segments(
     forward: Sequence[Sequence[OwnedSighting]], backward: Sequence[Sequence[OwnedSighting]], limits: JoiningParameters
 ) -> list[Segment]:
     """Join two readings, both frame by frame in order of time, into segments, in order of their first frames."""
+    from scipy.sparse import coo_array  # slow to load, see `assigned`
+    from scipy.sparse.csgraph import connected_components
+
     seen = [
         each
         for frame, (ahead, back) in enumerate(zip(forward, backward, strict=True))
@@ -141,7 +142,7 @@ def _of_frame(
     """Join the outlines of a frame."""
     costs = [[_apart(one.sighting, other.sighting, limits) for other in back] for one in ahead]
     table = np.array(costs).reshape(len(ahead), len(back))
-    pairs = zip(*linear_sum_assignment(table), strict=True)
+    pairs = zip(*assigned(table), strict=True)
     joined = {int(one): int(other) for one, other in pairs if table[one, other] < 1.0}
     found = [_seen(frame, one, back[joined[k]] if k in joined else None) for k, one in enumerate(ahead)]
     alone = sorted(set(range(len(back))) - set(joined.values()))

@@ -85,8 +85,6 @@ class _Search(NamedTuple):
     ----------
     image : ndarray of shape (h, w, channels), uint8
     color : ColorModel
-    last : (x, y, radius)
-        Where it was seen last, px.
     expected : ExpectedPlace
     interval : float
         Since the picture before, s.
@@ -97,7 +95,6 @@ class _Search(NamedTuple):
 
     image: Image
     color: ColorModel
-    last: Circle3
     expected: ExpectedPlace
     interval: float
     changes: Changes | None
@@ -260,7 +257,7 @@ class BallEstimator:
             changes = changes_since(image, belief.reference, limits.changes)
         if changes is not None:
             arrived = arrivals(changes, belief.pixel, radius, limits.changes)
-        return _Search(image, color, belief.circle, expected, when[1], changes, arrived)
+        return _Search(image, color, expected, when[1], changes, arrived)
 
     def _propose(self, belief: Belief, search: _Search, *, is_expected: bool) -> tuple[list[Circle3], list[Circle3]]:
         """Circles from which the network is led, the likeliest first, and which of them its color proposed."""
@@ -294,29 +291,20 @@ class BallEstimator:
         return log_prior_of_place(circle[:2], expected, self._parameters.ball.place) - self._parameters.ball.rank * rank
 
     def _with_arrivals(self, search: _Search, discs: list[Disc]) -> list[Disc]:
-        """Discs of the network and of what has arrived, and of a streak both together."""
+        """Discs of the network, and where a fast ball is due what has arrived and is no disc to the network."""
         limits, expected = self._parameters.ball, search.expected
-        found = list[Disc]()
-        taken = set[Arrival]()
-        for disc in discs:
-            near = [each for each in search.arrived if math.dist(each[:2], disc.circle[:2]) < disc.circle[2]]
-            taken.update(near)
-            away = math.dist(disc.circle[:2], search.last[:2]) / expected.missed
-            found.append(self._of_mass(disc, near[0]) if near and away > limits.streak * disc.circle[2] else disc)
+        found = list(discs)
+        taken = {
+            each
+            for each in search.arrived
+            if any(math.dist(each[:2], disc.circle[:2]) < disc.circle[2] for disc in discs)
+        }
         fast = expected.speed > limits.streak * expected.radius and expected.missed <= limits.unseen_pictures
         for each in search.arrived[: limits.starts] if fast else ():
             if each not in taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
                 precision = np.eye(3) / (limits.mass_sigma * expected.radius) ** 2
                 found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
         return found
-
-    def _of_mass(self, disc: Disc, arrival: Arrival) -> Disc:
-        """Mean of a disc and the center of the mass that has arrived there, by their inverse covariances."""
-        known = disc.precision / self._step.outlines.network.limits.inflation
-        mass = np.diag((1.0, 1.0, 0.0)) / (self._parameters.ball.mass_sigma * disc.circle[2]) ** 2
-        there = np.array((arrival.x, arrival.y, 0.0))
-        x, y, radius = np.linalg.solve(known + mass, known @ disc.circle + mass @ there).tolist()
-        return Disc((x, y, radius), known + mass, disc.log_odds)
 
     def is_look_alike(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
         """Say whether what is followed stood there while the ball was elsewhere.

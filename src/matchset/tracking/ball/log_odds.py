@@ -59,7 +59,7 @@ class Weights(msgspec.Struct, frozen=True):
     color: float = 1.0
     foreign: float = -1.5
     place: float = 1.0
-    arrived: float = 3.0
+    arrived: float = 4.0
     before: float = -5.0
     edges: float = 1.0
 

@@ -54,10 +54,9 @@ class BallParameters(msgspec.Struct, frozen=True):
     before : float
         Share of a disc that was there before from which on it is a look-alike.
     streak : float
-        Way from picture to picture, radii, from which the center of the mass that has arrived is believed beside the
-        network's disc: its exposure is a streak.
+        Way from picture to picture, radii, from which a ball is fast: an ambiguous fit is a search for it then.
     mass_sigma : float
-        Standard deviation of that center, radii.
+        Standard deviation of the center of a mass that has arrived, radii.
     unseen, unseen_growth : float
         Log-odds by the network of what has arrived where a fast ball is due and is no disc to it, and the largest
         factor between the radius of that mass and of the ball.

@@ -275,23 +275,24 @@ class Tracker(Copied, Generic[S]):
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
         predicted = self._coast()
-        if self._ball.knows() and self.step.outlines.judges(self.color):
-            if self._found_ball(image, predicted):
-                return None
-        elif self._begun(image):
+        judged = self.step.outlines.judges(self.color)
+        if judged and (self._found_ball(image, predicted) or self._begun(image)):
             return None
-        else:
+        if not (judged and self._ball.knows()):
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
             rejection = "" if best is None else self._confirm(image, best, predicted)
             if rejection is None:
+                return None
+            if not judged and (self._found_ball(image, predicted) or self._begun(image)):
                 return None
             reason = rejection or reason
         near = self._last is not None and fills_picture(image, self.color, self._last, self.parameters.too_near)
         return Lost(TOO_NEAR if near else reason, self._time, self._shape_of(predicted))
 
     def _found_ball(self, image: Image, predicted: Floats | None) -> bool:
-        """Find a ball that was seen before, with the network."""
-        assert self._last is not None
+        """Find a ball that was seen before, with the network; whether it did."""
+        if self._last is None or not self._ball.knows():
+            return False
         expected = None if predicted is None else gate_of(self._family, predicted)
         last = gate_of(self._family, self._last.state)
         return self._ball.find(image, self.color, last, expected, (self._time, self._interval))
@@ -299,8 +300,7 @@ class Tracker(Copied, Generic[S]):
     def _begun(self, image: Image) -> bool:
         """Begin in the first picture with the ball that was clicked, as the network sees it; whether it does."""
         clicked = self._clicked() if self._frames == 1 else None
-        judges = clicked is not None and self.step.outlines.judges(self.color)
-        if clicked is None or not judges or not self._ball.begin(image, self.color, clicked, self._time):
+        if clicked is None or not self._ball.begin(image, self.color, clicked, self._time):
             return False
         self._hint = None
         return True

@@ -46,6 +46,10 @@ class ChangeParameters(msgspec.Struct, frozen=True):
         Share of the pixels that have changed from which motion says nothing.
     moved_share : float
         Share from which the camera may have moved: then its translation is found first.
+    most_threshold : float
+        Gray levels by which pixels must differ from which on motion says nothing: the light has changed.
+    most_alike : float
+        Share of what is around a disc and looks like the ball from which on nothing is said of what was there before.
     least_alpha : float
         Least share of the ball in a pixel: less sees fainter streaks, and noise.
     residual, residual_share : float
@@ -66,6 +70,8 @@ class ChangeParameters(msgspec.Struct, frozen=True):
     least: float = 8.0
     most_share: float = 0.3
     moved_share: float = 0.15
+    most_threshold: float = 24.0
+    most_alike: float = 0.25
     least_alpha: float = 0.12
     residual: float = 15.0
     residual_share: float = 0.35
@@ -170,7 +176,9 @@ def changes_since(image: Image, reference: Reference, limits: ChangeParameters) 
             changed = again
             share = share_again
             threshold = lower
-    return None if share > limits.most_share else Changes(now, reference, changed, share, threshold, scale)
+    if share > limits.most_share or threshold > limits.most_threshold:
+        return None
+    return Changes(now, reference, changed, share, threshold, scale)
 
 
 def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask, float]:
@@ -281,14 +289,17 @@ def share_before(
     before = np.ascontiguousarray(reference.picture[rows, columns])
     if not before.size:
         return 0.0
-    alike = color.scores(before).reshape(before.shape[:2]) > 0
     changed = changes.changed[rows, columns]
     tells = np.abs(before - pixel).max(axis=2) > changes.threshold
+    alike = ~tells if color.gray else color.scores(before).reshape(before.shape[:2]) > 0
     px = across * np.arange(left, left + before.shape[1])[np.newaxis, :]
     py = down * np.arange(top, top + before.shape[0])[:, np.newaxis]
     inside = (px - x) ** 2 + (py - y) ** 2 < radius**2
     own_x, own_y, own_radius = reference.circle
     free = (px - own_x) ** 2 + (py - own_y) ** 2 > (limits.own * max(own_radius, radius)) ** 2
+    around = ~inside & ~changed & free
+    if (alike & around).sum() > limits.most_alike * max(around.sum(), 1):
+        return 0.0
     there = ~changed & (alike | tells) if not moved else alike | (~changed & tells)
     counted = np.where(inside, there, alike & changed & moved) & free
     return float(counted.sum()) / max(int(inside.sum()), 1)

@@ -137,7 +137,7 @@ def _merits(
     contrast = np.sqrt(np.einsum("ijk,ijk->ij", away, away))
     likeness = cv2.exp(-0.5 * np.einsum("ijk,ijk->ij", off, off))
     merits = likeness * (contrast / (contrast + np.float32(limits.contrast)))
-    if not color.is_local and color.channels == cells.shape[2]:
+    if not (color.is_local or color.gray) and color.channels == cells.shape[2]:
         scores = color.scores(cells).reshape(rows, columns).astype(np.float32)
         inside, outside = _middle_and_ring(scores, limits)
         merits = np.maximum(merits, (inside - outside) * np.float32(limits.table / (2 * WHITE)))

@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import cv2
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -31,20 +30,18 @@ from matchset.shapes.shape import Shape
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.changes import (
     Arrival,
-    ChangeParameters,
     Changes,
     arrivals,
     changes_since,
     reference_of,
     share_before,
 )
-from matchset.tracking.ball.color_places import ColorPlaceParameters, places_of_color
+from matchset.tracking.ball.color_places import places_of_color
+from matchset.tracking.ball.discs import are_same, middle_pixels
 from matchset.tracking.ball.judge import covariance_of, likeliest
 from matchset.tracking.ball.log_odds import (
     ExpectedPlace,
     Features,
-    PlaceParameters,
-    Weights,
     log_odds,
     log_prior_of_place,
 )
@@ -426,27 +423,3 @@ class BallEstimator:
         step.acquired = Acquisition(time, disc.log_odds)
         self.note(image, refined.circle, time, 1.0)
         return True
-
-
-def are_same(first: Circle3, second: Circle3, share: float) -> bool:
-    """Say whether two circles are so near to each other that the network is led to the same disc from both."""
-    larger, smaller = max(first[2], second[2]), min(first[2], second[2])
-    return math.dist(first[:2], second[:2]) < share * larger and larger < (1.0 + share) * smaller
-
-
-SIDE = 14  # format: pixels of a disc's middle along a side, at most
-
-
-def middle_pixels(image: Image, circle: Circle3, share: float) -> Image:
-    """Pixels within a share of a disc's radius, evenly spread, at most some 150; of shape (n, channels)."""
-    x, y, radius = circle
-    count = int(min(SIDE, max(2.0 * share * radius, 1.0)))
-    along = (np.arange(count) + 0.5) * (2.0 / count) - 1.0
-    within = along[np.newaxis, :] ** 2 + along[:, np.newaxis] ** 2 <= 1.0
-    across = np.broadcast_to(along[np.newaxis, :], within.shape)[within]
-    down = np.broadcast_to(along[:, np.newaxis], within.shape)[within]
-    columns = np.rint(x + share * radius * across).astype(np.int64)
-    rows = np.rint(y + share * radius * down).astype(np.int64)
-    height, width = image.shape[:2]
-    seen = (columns >= 0) & (rows >= 0) & (columns < width) & (rows < height)
-    return np.asarray(image[rows[seen], columns[seen]], np.uint8)

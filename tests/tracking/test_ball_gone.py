@@ -10,7 +10,7 @@ from hidden_ball import picture
 import matchset as ms
 from matchset.image.disc_network.network import Disc
 from matchset.sim.clips.clip import Clip
-from matchset.tracking.ball.estimator import middle_pixels
+from matchset.tracking.ball.discs import middle_pixels
 from matchset.tracking.ball.judge import Judge
 from matchset.tracking.ball.parameters import BallParameters
 from matchset.tracking.motion import Gate

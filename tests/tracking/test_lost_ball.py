@@ -159,6 +159,22 @@ def test_places_where_no_ball_is_seen_are_noted_and_forgotten_later() -> None:
     assert (200.0, 50.0) not in [each[:2] for each in belief_of(tracker).in_vain]
 
 
+def test_every_part_of_the_picture_is_read_in_turn_beside_what_is_near() -> None:
+    """A lost ball is looked for near where it was in one picture, and anywhere in the next."""
+    tracker, turns = seen(), {True: list[int](), False: list[int]()}
+    with (
+        sees(Disc((60.0, 90.0, 26.0), np.eye(3), -9.0), confirmed=False),
+        patch("matchset.tracking.ball.estimator.places_of_color", return_value=[]) as asked_for,
+    ):
+        for _ in range(24):
+            tracker._ball.find(picture(60.0), tracker.color, LAST, None, (1.0 / 30.0, 1.0 / 30.0))
+            (_, reach), turn = asked_for.call_args.args[2:4]
+            turns[reach >= 320.0].append(turn)
+    for parts in (2, 3, 4):
+        for each in turns.values():
+            assert {turn % parts for turn in each} == set(range(parts)), f"of {parts} parts some are never read"
+
+
 def lost_and_back(back: Picture, gone: Picture) -> list[ms.Track[ms.Circle]]:
     """What is found in 15 pictures once a ball that was seen five times, then gone for five pictures, is back."""
     tracker = seen()

@@ -1,4 +1,4 @@
-"""A ball before boards and spots: it leaps and is found again, and nothing else is; `detect` finds one of two colors."""
+"""A ball before boards and spots: it leaps and is found again, nothing else is; `detect` finds one of two colors."""
 
 import math
 

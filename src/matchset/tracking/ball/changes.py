@@ -183,7 +183,7 @@ def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask,
 
 
 def _moved(now: Image, reference: Reference, scale: tuple[float, float]) -> Reference:
-    """Move the reference as a camera that has turned since would show it, by the translation of the whole picture."""
+    """Move the reference as the camera has moved since, by the translation of the whole picture."""
     rows, columns = now.shape[:2]
     shrink = max(max(rows, columns) / SHIFT_SIDE, 1.0)
     size = max(round(columns / shrink), LEAST_SIDE), max(round(rows / shrink), LEAST_SIDE)

@@ -125,7 +125,8 @@ def _merits(
     """Merit of each cell, 0 ... 1; `size`: columns and rows."""
     (own, color), (columns, rows) = known, size
     twice = cv2.resize(part, (2 * columns, 2 * rows), interpolation=cv2.INTER_NEAREST)
-    cells = np.asarray(cv2.resize(twice, size, interpolation=cv2.INTER_AREA).reshape(rows, columns, -1), np.uint8)
+    mean = cv2.resize(twice, size, interpolation=cv2.INTER_AREA)
+    cells = np.asarray(mean.reshape(rows, columns, -1), np.uint8)
     colored = cells if cells.shape[2] == COLOR else cv2.cvtColor(cells, cv2.COLOR_GRAY2BGR)
     lab = cv2.cvtColor(colored, cv2.COLOR_BGR2Lab) - np.array((0.0, 128.0, 128.0), np.float32)
     middle, ring = _middle_and_ring(lab, limits)

@@ -12,7 +12,7 @@ from matchset.image.disc_network.network import Disc
 from matchset.sim.clips.clip import Clip
 from matchset.tracking.ball.discs import middle_pixels
 from matchset.tracking.ball.judge import Judge
-from matchset.tracking.ball.parameters import BallParameters
+from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
@@ -27,7 +27,7 @@ def test_nothing_is_taken_for_a_ball_that_is_gone(seed: int) -> None:
 
 @pytest.mark.parametrize("missed", [1.0, 5.0, 50.0, 1000.0])
 def test_however_long_it_is_gone_its_size_stays_within_a_factor(missed: float) -> None:
-    limits, last = BallParameters(), Gate(160.0, 90.0, 26.0)
+    limits, last = BallSearchParameters(), Gate(160.0, 90.0, 26.0)
     inside = min(limits.growth, limits.most_growth) ** 0.99
     outside = limits.most_growth**1.01
     for factor, possible in ((inside, True), (outside, False), (1.0 / inside, True), (1.0 / outside, False)):

@@ -12,7 +12,7 @@ from matchset.tracking.ball.belief import Reference
 from matchset.tracking.ball.changes import (
     Arrival,
     ChangeParameters,
-    Changes,
+    PictureChanges,
     arrivals,
     changes_since,
     reference_of,
@@ -62,7 +62,7 @@ def reference(*balls: Circle3) -> Reference:
     return reference_of(shown(*balls), balls[0], 0.0, LIMITS)
 
 
-def changes(image: Picture, before: Reference) -> Changes:
+def changes(image: Picture, before: Reference) -> PictureChanges:
     found = changes_since(image, before, LIMITS)
     assert found is not None
     return found

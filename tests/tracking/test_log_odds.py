@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from matchset.tracking.ball.log_odds import (
     ExpectedPlace,
     Features,
+    FeatureWeights,
     PlaceParameters,
-    Weights,
     log_odds,
     log_prior_of_place,
 )
@@ -40,7 +40,7 @@ def prior(expected: ExpectedPlace, away: float, turn: float = 0.0) -> float:
 
 @given(features)
 def test_it_is_the_weighted_sum_and_the_network_counts_up_to_its_most(each: Features) -> None:
-    weights = Weights(bias=-0.5, most_network=2.0, network=1.5, color=0.5, foreign=-2.0, place=0.7, arrived=3.0)
+    weights = FeatureWeights(bias=-0.5, most_network=2.0, network=1.5, color=0.5, foreign=-2.0, place=0.7, arrived=3.0)
     capped = each._replace(network=min(each.network, 2.0))
     summed = sum(getattr(weights, name) * getattr(capped, name) for name in Features._fields)
     assert log_odds(each, weights) == pytest.approx(summed - 0.5)
@@ -48,16 +48,16 @@ def test_it_is_the_weighted_sum_and_the_network_counts_up_to_its_most(each: Feat
 
 @given(features, st.sampled_from(Features._fields))
 def test_what_speaks_for_a_disc_adds_and_what_speaks_against_it_takes(each: Features, name: str) -> None:
-    more = log_odds(each._replace(**{name: getattr(each, name) + 1.0}), Weights())
+    more = log_odds(each._replace(**{name: getattr(each, name) + 1.0}), FeatureWeights())
     if name in ("foreign", "before"):
-        assert more < log_odds(each, Weights())
+        assert more < log_odds(each, FeatureWeights())
     else:
-        assert more >= log_odds(each, Weights())
+        assert more >= log_odds(each, FeatureWeights())
 
 
 def test_a_look_alike_that_was_there_before_is_not_the_ball_however_sure_the_network_is() -> None:
-    assert log_odds(Features(network=99.0), Weights()) > 0.0
-    assert log_odds(Features(network=99.0, before=1.0), Weights()) < 0.0
+    assert log_odds(Features(network=99.0), FeatureWeights()) > 0.0
+    assert log_odds(Features(network=99.0, before=1.0), FeatureWeights()) < 0.0
 
 
 @given(places, distances, turns)

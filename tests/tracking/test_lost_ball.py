@@ -12,13 +12,13 @@ import matchset as ms
 from matchset.image.disc_network.network import Disc
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.judge import Judge, NetworkParameters
-from matchset.tracking.ball.parameters import BallParameters
+from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.tracker import Tracker
 
-STILL = TrackerParameters(ball=BallParameters(moves=False))
+STILL = TrackerParameters(ball=BallSearchParameters(moves=False))
 LAST = Gate(60.0, 90.0, 26.0)
 NEXT = 1.0 / 30.0, 1.0 / 30.0
 
@@ -112,7 +112,7 @@ def test_edge_points_decide_where_they_confirm_a_disc() -> None:
 
 
 def test_edge_points_that_confirm_a_disc_add_to_its_log_odds() -> None:
-    weak = asked(0.0, 1.0) - 0.5 * BallParameters().weights.edges
+    weak = asked(0.0, 1.0) - 0.5 * BallSearchParameters().weights.edges
     for confirmed in (True, False):
         tracker = seen(parameters=STILL)
         with sees(Disc((60.0, 90.0, 26.0), np.eye(3), weak), confirmed=confirmed):
@@ -140,7 +140,7 @@ def test_the_size_does_not_follow_an_outline_faster_than_a_ball_grows() -> None:
     last = Gate(160.0, 90.0, 60.0)
     with sees(Disc((160.0, 90.0, 26.0), np.eye(3), 4.0), confirmed=False):
         tracker._ball.find(picture(160.0), tracker.color, last, last, (2.0 / 30.0, 1.0 / 30.0))
-    assert belief_of(tracker).size[0] - before == pytest.approx(BallParameters().grows)
+    assert belief_of(tracker).size[0] - before == pytest.approx(BallSearchParameters().grows)
 
 
 def test_places_where_no_ball_is_seen_are_noted_and_forgotten_later() -> None:
@@ -151,7 +151,7 @@ def test_places_where_no_ball_is_seen_are_noted_and_forgotten_later() -> None:
         with patch(where, return_value=places):
             tracker._ball.find(picture(60.0), tracker.color, LAST, None, NEXT)
         assert [each[:2] for each in belief_of(tracker).in_vain] == [(200.0, 50.0)]
-        for k in range(BallParameters().again):
+        for k in range(BallSearchParameters().again):
             with patch(where, return_value=[]) as asked_for:
                 tracker._ball.find(picture(60.0), tracker.color, LAST, None, ((k + 2) / 30.0, 1.0 / 30.0))
             assert (200.0, 50.0) in asked_for.call_args.args[4]

@@ -82,7 +82,7 @@ LEAST_SIDE = 8  # format: pixels of a coarse picture along a side
 SHIFT_SIDE = 160  # format: pixels along the longer side of the pictures whose translation is found
 
 
-class Changes(NamedTuple):
+class PictureChanges(NamedTuple):
     """What differs from the reference.
 
     Attributes
@@ -147,7 +147,7 @@ def _coarse(image: Image, size: tuple[int, int]) -> Image:
     return np.asarray(small.reshape(size[1], size[0], -1), np.uint8)
 
 
-def changes_since(image: Image, reference: Reference, limits: ChangeParameters) -> Changes | None:
+def changes_since(image: Image, reference: Reference, limits: ChangeParameters) -> PictureChanges | None:
     """Compare a picture with the reference; None where too much has changed.
 
     Parameters
@@ -170,7 +170,7 @@ def changes_since(image: Image, reference: Reference, limits: ChangeParameters) 
             changed = again
             share = share_again
             threshold = lower
-    return None if share > limits.most_share else Changes(now, reference, changed, share, threshold, scale)
+    return None if share > limits.most_share else PictureChanges(now, reference, changed, share, threshold, scale)
 
 
 def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask, float]:
@@ -202,13 +202,13 @@ def _moved(now: Image, reference: Reference, scale: tuple[float, float]) -> Refe
 
 
 def arrivals(
-    changes: Changes, pixel: npt.NDArray[np.float32], radius: float, limits: ChangeParameters
+    changes: PictureChanges, pixel: npt.NDArray[np.float32], radius: float, limits: ChangeParameters
 ) -> list[Arrival]:
     """Find regions of a ball's color and mass that were not there before, those of the likeliest mass first.
 
     Parameters
     ----------
-    changes : Changes
+    changes : PictureChanges
     pixel : ndarray of shape (channels,), float32
         Color of the ball.
     radius : float
@@ -248,7 +248,7 @@ def arrivals(
 
 
 def share_before(
-    changes: Changes,
+    changes: PictureChanges,
     known: tuple[ColorModel, npt.NDArray[np.float32]],
     circle: Circle3,
     limits: ChangeParameters,
@@ -263,7 +263,7 @@ def share_before(
 
     Parameters
     ----------
-    changes : Changes
+    changes : PictureChanges
     known : (ColorModel, ndarray of shape (channels,), float32)
         What the ball's color is, and the ball as a pixel.
     circle : (x, y, radius)

@@ -30,7 +30,7 @@ from matchset.shapes.shape import Shape
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.changes import (
     Arrival,
-    Changes,
+    PictureChanges,
     arrivals,
     changes_since,
     reference_of,
@@ -85,7 +85,7 @@ class _Search(NamedTuple):
     expected : ExpectedPlace
     interval : float
         Since the picture before, s.
-    changes : Changes or None
+    changes : PictureChanges or None
         What has moved; None where that says nothing.
     arrived : list of Arrival
     """
@@ -94,7 +94,7 @@ class _Search(NamedTuple):
     color: ColorModel
     expected: ExpectedPlace
     interval: float
-    changes: Changes | None
+    changes: PictureChanges | None
     arrived: list[Arrival]
 
 

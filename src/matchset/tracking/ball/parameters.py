@@ -1,18 +1,18 @@
-"""What decides where a ball is: `BallParameters`."""
+"""What decides where a ball is: `BallSearchParameters`."""
 
 import msgspec
 
 from matchset.tracking.ball.changes import ChangeParameters
 from matchset.tracking.ball.color_places import ColorPlaceParameters
-from matchset.tracking.ball.log_odds import PlaceParameters, Weights
+from matchset.tracking.ball.log_odds import FeatureWeights, PlaceParameters
 
 
-class BallParameters(msgspec.Struct, frozen=True):
+class BallSearchParameters(msgspec.Struct, frozen=True):
     """How a ball is found that is not where its outline was expected; chosen by hand.
 
     Parameters
     ----------
-    weights : Weights
+    weights : FeatureWeights
         Of what speaks for a disc.
     place : PlaceParameters
         Where it may be.
@@ -70,7 +70,7 @@ class BallParameters(msgspec.Struct, frozen=True):
         MSAC score of a fit from which the reference and the color are renewed.
     """
 
-    weights: Weights = Weights()
+    weights: FeatureWeights = FeatureWeights()
     place: PlaceParameters = PlaceParameters()
     changes: ChangeParameters = ChangeParameters()
     places: ColorPlaceParameters = ColorPlaceParameters()

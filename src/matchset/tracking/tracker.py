@@ -384,7 +384,6 @@ class Tracker(Copied, Generic[S]):
         rejection = fitter.validate_detection(estimate, self._prior(predicted))
         if rejection or not family.half_width(estimate.state) > 0.0:  # the second fit ran away
             return fitter.validator.describe(rejection, estimate.fit)
-        estimate = self.step.outlines.of_detection(image, self.color, estimate, self._prior(predicted), predicted)
         if predicted is None:
             sigma = self.parameters.initialization.detected_share * float(family.half_width(state))
             initialize(fitter.work, estimate.state, self._time, sigma)

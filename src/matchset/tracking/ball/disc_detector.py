@@ -189,7 +189,7 @@ class DiscDetector:
         return starts
 
     def _apart(self, discs: Sequence[Disc]) -> list[Disc]:
-        """Discs that are apart from all that are likelier to be a ball, the likeliest first, each a mean of its like."""
+        """Discs apart from all that are likelier to be a ball, the likeliest first; each is the mean of its like."""
         kept = list[Disc]()
         odds = np.array([disc.log_odds for disc in discs])
         for disc in sorted(discs, key=lambda each: -each.log_odds):

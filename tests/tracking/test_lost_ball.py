@@ -51,7 +51,7 @@ def test_a_disc_at_a_click_that_is_sure_is_taken_whatever_its_region(beyond: flo
     image = picture(160.0)
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
     disc = Disc((160.0, 90.0, 26.0), np.eye(3), NetworkParameters().sure + beyond)
-    with sees(disc, confirmed=False), patch.object(OutlineChoice, "is_other_shape", return_value=True):
+    with sees(disc, confirmed=False):
         assert tracker._ball.begin(image, tracker.color, ms.Circle(*disc.circle), 0.0) is taken
     assert (tracker._ball.belief is not None) is taken
 

@@ -9,7 +9,7 @@ from matchset.image.brightness import BrightnessParameters
 from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.image.light.relighting import RelightingParameters
 from matchset.tracking.ball.judge import NetworkParameters
-from matchset.tracking.ball.parameters import BallParameters
+from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
@@ -70,7 +70,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How the whole frame is searched.
     detection : DetectionParameters
         How the candidates of a search are fitted.
-    ball : BallParameters
+    ball : BallSearchParameters
         How a ball is found that is not where its outline was expected.
     adaptation : AdaptationParameters
         How the color follows the light.
@@ -93,7 +93,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
-    ball: BallParameters = BallParameters()
+    ball: BallSearchParameters = BallSearchParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     relighting: RelightingParameters = RelightingParameters()
     brightness: BrightnessParameters = BrightnessParameters()

@@ -40,16 +40,15 @@ class ChangeParameters(msgspec.Struct, frozen=True):
         Distance of the pixels that are compared, radii of the ball: less sees smaller parts of it and takes longer.
     most_cells : int
         How many pixels are compared at most.
-    noise, least : float
-        A pixel has changed if it differs by more than so many medians of all differences, plus so many gray levels.
+    noise, most_usual, least : float
+        A pixel has changed if it differs by more than so many medians of all differences, of which so many gray levels
+        count at most, plus so many gray levels.
     most_share : float
         Share of the pixels that have changed from which motion says nothing.
     moved_share : float
         Share from which the camera may have moved: then its translation is found first.
-    most_threshold : float
-        Gray levels by which pixels must differ from which on motion says nothing: the light has changed.
-    most_alike : float
-        Share of what is around a disc and looks like the ball from which on nothing is said of what was there before.
+    contrast : float
+        Gray levels by which the ball must differ from what was there, so that motion says something.
     least_alpha : float
         Least share of the ball in a pixel: less sees fainter streaks, and noise.
     residual, residual_share : float
@@ -67,11 +66,11 @@ class ChangeParameters(msgspec.Struct, frozen=True):
     step: float = 0.5
     most_cells: int = 120_000
     noise: float = 4.0
+    most_usual: float = 4.0
     least: float = 8.0
     most_share: float = 0.3
     moved_share: float = 0.15
-    most_threshold: float = 24.0
-    most_alike: float = 0.25
+    contrast: float = 40.0
     least_alpha: float = 0.12
     residual: float = 15.0
     residual_share: float = 0.35
@@ -88,7 +87,7 @@ LEAST_SIDE = 8  # format: pixels of a coarse picture along a side
 SHIFT_SIDE = 160  # format: pixels along the longer side of the pictures whose translation is found
 
 
-class Changes(NamedTuple):
+class PictureChanges(NamedTuple):
     """What differs from the reference.
 
     Attributes
@@ -153,7 +152,7 @@ def _coarse(image: Image, size: tuple[int, int]) -> Image:
     return np.asarray(small.reshape(size[1], size[0], -1), np.uint8)
 
 
-def changes_since(image: Image, reference: Reference, limits: ChangeParameters) -> Changes | None:
+def changes_since(image: Image, reference: Reference, limits: ChangeParameters) -> PictureChanges | None:
     """Compare a picture with the reference; None where too much has changed.
 
     Parameters
@@ -176,9 +175,7 @@ def changes_since(image: Image, reference: Reference, limits: ChangeParameters) 
             changed = again
             share = share_again
             threshold = lower
-    if share > limits.most_share or threshold > limits.most_threshold:
-        return None
-    return Changes(now, reference, changed, share, threshold, scale)
+    return None if share > limits.most_share else PictureChanges(now, reference, changed, share, threshold, scale)
 
 
 def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask, float]:
@@ -186,7 +183,7 @@ def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask,
     away = cv2.absdiff(now, before).reshape(now.shape).max(axis=2)
     few = away.ravel()[:: max(away.size // SAMPLES, 1)]
     usual = float(np.partition(few, len(few) // 2)[len(few) // 2])
-    threshold = limits.noise * usual + limits.least
+    threshold = limits.noise * min(usual, limits.most_usual) + limits.least
     return np.asarray(away > threshold, np.bool_), threshold
 
 
@@ -210,13 +207,13 @@ def _moved(now: Image, reference: Reference, scale: tuple[float, float]) -> Refe
 
 
 def arrivals(
-    changes: Changes, pixel: npt.NDArray[np.float32], radius: float, limits: ChangeParameters
+    changes: PictureChanges, pixel: npt.NDArray[np.float32], radius: float, limits: ChangeParameters
 ) -> list[Arrival]:
     """Find regions of a ball's color and mass that were not there before, those of the likeliest mass first.
 
     Parameters
     ----------
-    changes : Changes
+    changes : PictureChanges
     pixel : ndarray of shape (channels,), float32
         Color of the ball.
     radius : float
@@ -232,7 +229,8 @@ def arrivals(
     alpha = np.einsum("ij,ij->i", change, toward) / (np.einsum("ij,ij->i", toward, toward) + WEAK)
     residual = np.linalg.norm(change - alpha[:, np.newaxis] * toward, axis=1)
     allowed = limits.residual + limits.residual_share * np.linalg.norm(change, axis=1)
-    mixed = (alpha > limits.least_alpha) & (alpha < MOST_ALPHA) & (residual < allowed)
+    tells = np.abs(toward).max(axis=1) > limits.contrast
+    mixed = tells & (alpha > limits.least_alpha) & (alpha < MOST_ALPHA) & (residual < allowed)
     if not mixed.any():
         return []
     rows, columns, alpha = rows[mixed], columns[mixed], np.minimum(alpha[mixed], 1.0)
@@ -255,8 +253,18 @@ def arrivals(
     return [arrival for _, arrival in sorted(found)]
 
 
+def departures(
+    changes: PictureChanges, pixel: npt.NDArray[np.float32], radius: float, limits: ChangeParameters
+) -> list[Arrival]:
+    """Find regions of a ball's color and mass that are gone, but for the ball's own; see `arrivals`."""
+    own = changes.reference.circle
+    backward = changes._replace(now=changes.reference.picture, reference=Reference(changes.now, own, 0.0))
+    gone = arrivals(backward, pixel, radius, limits)
+    return [each for each in gone if math.dist(each[:2], own[:2]) > limits.own * max(own[2], radius)]
+
+
 def share_before(
-    changes: Changes,
+    changes: PictureChanges,
     known: tuple[ColorModel, npt.NDArray[np.float32]],
     circle: Circle3,
     limits: ChangeParameters,
@@ -271,7 +279,7 @@ def share_before(
 
     Parameters
     ----------
-    changes : Changes
+    changes : PictureChanges
     known : (ColorModel, ndarray of shape (channels,), float32)
         What the ball's color is, and the ball as a pixel.
     circle : (x, y, radius)
@@ -290,15 +298,16 @@ def share_before(
     if not before.size:
         return 0.0
     changed = changes.changed[rows, columns]
-    tells = np.abs(before - pixel).max(axis=2) > changes.threshold
-    alike = ~tells if color.gray else color.scores(before).reshape(before.shape[:2]) > 0
+    apart = np.abs(before - pixel).max(axis=2)
+    tells = apart > changes.threshold + limits.contrast
+    alike = apart < changes.threshold if color.gray else color.scores(before).reshape(before.shape[:2]) > 0
     px = across * np.arange(left, left + before.shape[1])[np.newaxis, :]
     py = down * np.arange(top, top + before.shape[0])[:, np.newaxis]
     inside = (px - x) ** 2 + (py - y) ** 2 < radius**2
     own_x, own_y, own_radius = reference.circle
     free = (px - own_x) ** 2 + (py - own_y) ** 2 > (limits.own * max(own_radius, radius)) ** 2
     around = ~inside & ~changed & free
-    if (alike & around).sum() > limits.most_alike * max(around.sum(), 1):
+    if not around.any() or np.median(apart[around]) < limits.contrast:
         return 0.0
     there = ~changed & (alike | tells) if not moved else alike | (~changed & tells)
     counted = np.where(inside, there, alike & changed & moved) & free

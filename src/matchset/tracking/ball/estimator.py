@@ -30,9 +30,10 @@ from matchset.shapes.shape import Shape
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.changes import (
     Arrival,
-    Changes,
+    PictureChanges,
     arrivals,
     changes_since,
+    departures,
     reference_of,
     share_before,
 )
@@ -85,17 +86,20 @@ class _Search(NamedTuple):
     expected : ExpectedPlace
     interval : float
         Since the picture before, s.
-    changes : Changes or None
+    changes : PictureChanges or None
         What has moved; None where that says nothing.
     arrived : list of Arrival
+    is_told : bool
+        Whether an arrival can only be the ball: nothing else of its color has left.
     """
 
     image: Image
     color: ColorModel
     expected: ExpectedPlace
     interval: float
-    changes: Changes | None
+    changes: PictureChanges | None
     arrived: list[Arrival]
+    is_told: bool
 
 
 class BallEstimator:
@@ -249,12 +253,13 @@ class BallEstimator:
             innovation=float(motion.innovation),
             sightings=int(motion.size_count),
         )
-        changes, arrived = None, list[Arrival]()
+        changes, arrived, is_told = None, list[Arrival](), False
         if belief.reference is not None:
             changes = changes_since(image, belief.reference, limits.changes)
         if changes is not None:
             arrived = arrivals(changes, belief.pixel, radius, limits.changes)
-        return _Search(image, color, expected, when[1], changes, arrived)
+            is_told = bool(arrived) and not departures(changes, belief.pixel, radius, limits.changes)
+        return _Search(image, color, expected, when[1], changes, arrived, is_told)
 
     def _propose(self, belief: Belief, search: _Search, *, is_expected: bool) -> tuple[list[Circle3], list[Circle3]]:
         """Circles from which the network is led, the likeliest first, and which of them its color proposed."""
@@ -263,15 +268,16 @@ class BallEstimator:
         ranked = [(math.inf, place)] if is_expected else []
         ranked.append((0.0 if is_expected else math.inf, belief.circle))
         for rank, arrival in enumerate(search.arrived[: limits.starts - 1]):
-            circle = arrival.x, arrival.y, expected.radius
+            circle = arrival.x, arrival.y, expected.radius if is_expected else arrival.radius
             ranked.append((limits.weights.arrived * self._told(search) + self._merit(rank, circle, expected), circle))
         anywhere = self._parameters.search.whole_frame and not is_expected and belief.searched % 2 == 1
+        scale = limits.spread[belief.searched % len(limits.spread)] if anywhere else 1.0
         reach = float(max(search.image.shape)) if anywhere else limits.reach * expected.missed * expected.radius
         colored = places_of_color(
             search.image,
             (belief.lab, search.color),
-            (place, reach),
-            belief.searched,
+            ((*place[:2], scale * expected.radius), reach),
+            belief.searched // len(limits.spread) if anywhere else belief.searched,
             [each[:2] for each in belief.in_vain],
             limits.places,
         )
@@ -363,14 +369,17 @@ class BallEstimator:
         """How much it says that something has arrived at a disc: less where much has moved."""
         if search.changes is None:
             return 0.0
-        near = max(circle[2], self._parameters.ball.least_near)
-        if all(math.dist(circle[:2], each[:2]) > near for each in search.arrived):
+        limits = self._parameters.ball
+        near = max(circle[2], limits.least_near)
+        sizes = [each.radius for each in search.arrived if math.dist(circle[:2], each[:2]) <= near]
+        if not sizes:
             return 0.0
-        return self._told(search)
+        off = min(abs(math.log(size / search.expected.radius)) for size in sizes)
+        return self._told(search) * max(1.0 - off / math.log(limits.changes.growth), 0.0)
 
     def _told(self, search: _Search) -> float:
         """How much an arrival says, of 1: less where much has moved, and where several things have arrived."""
-        if search.changes is None or not search.arrived:
+        if search.changes is None or not search.is_told:
             return 0.0
         limits = self._parameters.ball
         calm = 1.0 - search.changes.share / limits.changes.most_share

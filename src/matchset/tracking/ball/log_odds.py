@@ -40,7 +40,7 @@ class Features(NamedTuple):
     edges: float = 0.0
 
 
-class Weights(msgspec.Struct, frozen=True):
+class FeatureWeights(msgspec.Struct, frozen=True):
     """Weight of each of the `Features` in the log-odds, and the sum of them all where nothing is seen.
 
     Chosen by hand on real clips and rendered small balls (docs/log/tracking.md#one-belief).
@@ -64,13 +64,13 @@ class Weights(msgspec.Struct, frozen=True):
     edges: float = 1.0
 
 
-def log_odds(features: Features, weights: Weights) -> float:
+def log_odds(features: Features, weights: FeatureWeights) -> float:
     """Log-odds that a disc is the ball.
 
     Parameters
     ----------
     features : Features
-    weights : Weights
+    weights : FeatureWeights
     """
     return (
         weights.bias

@@ -1,18 +1,18 @@
-"""What decides where a ball is: `BallParameters`."""
+"""What decides where a ball is: `BallSearchParameters`."""
 
 import msgspec
 
 from matchset.tracking.ball.changes import ChangeParameters
 from matchset.tracking.ball.color_places import ColorPlaceParameters
-from matchset.tracking.ball.log_odds import PlaceParameters, Weights
+from matchset.tracking.ball.log_odds import FeatureWeights, PlaceParameters
 
 
-class BallParameters(msgspec.Struct, frozen=True):
+class BallSearchParameters(msgspec.Struct, frozen=True):
     """How a ball is found that is not where its outline was expected; chosen by hand.
 
     Parameters
     ----------
-    weights : Weights
+    weights : FeatureWeights
         Of what speaks for a disc.
     place : PlaceParameters
         Where it may be.
@@ -30,6 +30,8 @@ class BallParameters(msgspec.Struct, frozen=True):
         Share of the radius by which circles may differ that lead to the same disc.
     reach : float
         Half the side of the window in which its color is looked for, radii for each missed picture.
+    spread : tuple of float
+        Radii that are looked for by turns in the whole picture, as shares of the one that is believed.
     again : int
         For how many pictures a place at which no ball was seen is not looked at again.
     growth, grown, most_growth : float
@@ -70,7 +72,7 @@ class BallParameters(msgspec.Struct, frozen=True):
         MSAC score of a fit from which the reference and the color are renewed.
     """
 
-    weights: Weights = Weights()
+    weights: FeatureWeights = FeatureWeights()
     place: PlaceParameters = PlaceParameters()
     changes: ChangeParameters = ChangeParameters()
     places: ColorPlaceParameters = ColorPlaceParameters()
@@ -79,6 +81,7 @@ class BallParameters(msgspec.Struct, frozen=True):
     rank: float = 0.3
     same: float = 0.3
     reach: float = 3.0
+    spread: tuple[float, ...] = (1.0, 0.6, 1.0, 2.0)
     again: int = 8
     growth: float = 1.6
     grown: float = 10.0

@@ -77,7 +77,7 @@ class ChangeParameters(msgspec.Struct, frozen=True):
     growth: float = 2.2
     regions: int = 12
     near: float = 3.0
-    own: float = 1.3
+    own: float = 1.8
 
 
 MOST_ALPHA = 1.5  # format: share of the ball in a pixel, beyond which it is something brighter

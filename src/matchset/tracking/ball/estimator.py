@@ -46,6 +46,7 @@ from matchset.tracking.ball.log_odds import (
     log_odds,
     log_prior_of_place,
 )
+from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate, usual_size
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Acquisition
@@ -90,7 +91,7 @@ class _Search(NamedTuple):
         What has moved; None where that says nothing.
     arrived : list of Arrival
     is_told : bool
-        Whether an arrival can only be the ball: nothing else of its color has left.
+        Whether an arrival may be the ball: it is expected, or nothing else of its color has left.
     """
 
     image: Image
@@ -109,6 +110,8 @@ class BallEstimator:
     ----------
     step : TrackStep
     parameters : TrackerParameters
+    detectors : Detectors
+        Their searchers propose circles of any size.
 
     Attributes
     ----------
@@ -116,8 +119,10 @@ class BallEstimator:
         None before the ball was seen.
     """
 
-    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
-        self._step, self._parameters = step, parameters
+    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters, detectors: Detectors[Any]) -> None:
+        self._step = step
+        self._parameters = parameters
+        self._detectors = detectors
         self.belief: Belief | None = None
         if step.outlines.is_disc and parameters.network.used:
             precompile_ball()
@@ -213,7 +218,7 @@ class BallEstimator:
         assert belief is not None
         size = self._size(belief, last.half_width, when)
         self.belief = belief = belief._replace(circle=last[:3], size=size, searched=belief.searched + 1)
-        search = self._search(image, color, expected or last, when)
+        search = self._search(image, color, expected or last, when, is_expected=expected is not None)
         starts, proposed = self._propose(belief, search, is_expected=expected is not None)
         network = self._step.outlines.network
         network.discs(image, [np.array(each) for each in starts], searched=True)
@@ -239,7 +244,9 @@ class BallEstimator:
         change = math.log(radius) - belief.size[0]
         return belief.size[0] + min(max(change, -most), most), last_seen
 
-    def _search(self, image: Image, color: ColorModel, place: Gate, when: tuple[float, float]) -> _Search:
+    def _search(
+        self, image: Image, color: ColorModel, place: Gate, when: tuple[float, float], *, is_expected: bool
+    ) -> _Search:
         """See what has moved, and say where the ball is expected."""
         belief, limits, motion = self.belief, self._parameters.ball, self._step.fitter.work.motion
         assert belief is not None
@@ -258,7 +265,10 @@ class BallEstimator:
             changes = changes_since(image, belief.reference, limits.changes)
         if changes is not None:
             arrived = arrivals(changes, belief.pixel, radius, limits.changes)
-            is_told = bool(arrived) and not departures(changes, belief.pixel, radius, limits.changes)
+            is_told = is_expected or not departures(changes, belief.pixel, radius, limits.changes)
+            if not self._parameters.search.whole_frame:
+                reach = limits.reach * expected.missed * radius
+                arrived = [each for each in arrived if math.dist(each[:2], (place.x, place.y)) < reach]
         return _Search(image, color, expected, when[1], changes, arrived, is_told)
 
     def _propose(self, belief: Belief, search: _Search, *, is_expected: bool) -> tuple[list[Circle3], list[Circle3]]:
@@ -267,20 +277,28 @@ class BallEstimator:
         place = expected.x, expected.y, expected.radius
         ranked = [(math.inf, place)] if is_expected else []
         ranked.append((0.0 if is_expected else math.inf, belief.circle))
+        ranked += [(math.inf, circle) for circle in self._carried(belief, search)]
         for rank, arrival in enumerate(search.arrived[: limits.starts - 1]):
             circle = arrival.x, arrival.y, expected.radius if is_expected else arrival.radius
             ranked.append((limits.weights.arrived * self._told(search) + self._merit(rank, circle, expected), circle))
-        anywhere = self._parameters.search.whole_frame and not is_expected and belief.searched % 2 == 1
-        scale = limits.spread[belief.searched % len(limits.spread)] if anywhere else 1.0
+        late = not is_expected or expected.missed >= limits.late
+        anywhere = self._parameters.search.whole_frame and late and belief.searched % 2 == 1
+        turn = belief.searched // 2 if late else belief.searched
+        scale = limits.spread[turn % len(limits.spread)] if anywhere else 1.0
         reach = float(max(search.image.shape)) if anywhere else limits.reach * expected.missed * expected.radius
         colored = places_of_color(
             search.image,
             (belief.lab, search.color),
             ((*place[:2], scale * expected.radius), reach),
-            belief.searched // len(limits.spread) if anywhere else belief.searched,
+            turn,
             [each[:2] for each in belief.in_vain],
             limits.places,
         )
+        if self._parameters.search.whole_frame and not is_expected and not anywhere:
+            votes = self._detectors.suited(search.image, expected.radius).searcher.candidates(
+                search.image, search.color
+            )
+            colored += [(x, y, radius) for x, y, radius, _ in votes[: limits.places.most].tolist()]
         ranked += [(self._merit(rank, circle, expected), circle) for rank, circle in enumerate(colored)]
         starts = list[Circle3]()
         for _, circle in sorted(ranked, key=lambda each: -each[0]):
@@ -288,6 +306,13 @@ class BallEstimator:
                 starts.append(circle)
         starts = starts[: limits.starts]
         return starts, [circle for circle in colored if circle in starts]
+
+    def _carried(self, belief: Belief, search: _Search) -> list[Circle3]:
+        """Where the ball of the reference is now if it stood still while the camera turned."""
+        if belief.reference is None or search.changes is None:
+            return []
+        circle = search.changes.reference.circle
+        return [circle] if math.dist(circle[:2], belief.reference.circle[:2]) > circle[2] else []
 
     def _merit(self, rank: int, circle: Circle3, expected: ExpectedPlace) -> float:
         """Merit of a place that is looked at: its prior, less a little for each that is better."""
@@ -358,8 +383,10 @@ class BallEstimator:
             before = share_before(search.changes, (search.color, belief.pixel), disc.circle, limits.changes)
         return Features(
             network=disc.log_odds,
-            color=max(color, limits.mixed_color) if arrived else color,
-            foreign=float(not known and not arrived and (chroma > limits.far_chroma or light > limits.far_lightness)),
+            color=max(color, limits.mixed_color) if arrived > 0.0 else color,
+            foreign=float(
+                not known and not arrived > 0.0 and (chroma > limits.far_chroma or light > limits.far_lightness)
+            ),
             place=log_prior_of_place(disc.circle[:2], expected, limits.place),
             arrived=0.0 if before > limits.before else arrived,
             before=float(before > limits.before),
@@ -375,15 +402,22 @@ class BallEstimator:
         if not sizes:
             return 0.0
         off = min(abs(math.log(size / search.expected.radius)) for size in sizes)
-        return self._told(search) * max(1.0 - off / math.log(limits.changes.growth), 0.0)
+        fits = min((math.log(limits.changes.growth) - off) / math.log(limits.fits), 1.0)
+        return self._told(search) * max(fits, 0.0)
 
     def _told(self, search: _Search) -> float:
-        """How much an arrival says, of 1: less where much has moved, and where several things have arrived."""
-        if search.changes is None or not search.is_told:
+        """How much an arrival says, of 1: less where much has moved, where several things have arrived, and later on.
+
+        Where something else of the ball's color has left, that has arrived: it speaks against the ball.
+        """
+        if search.changes is None or not search.arrived:
             return 0.0
         limits = self._parameters.ball
         calm = 1.0 - search.changes.share / limits.changes.most_share
-        return max(calm - math.log(len(search.arrived)) / limits.weights.arrived, 0.0)
+        if not search.is_told:
+            return -limits.rival * calm
+        recent = math.exp(-(search.expected.missed - 1.0) / limits.recent)
+        return max(calm * recent - math.log(len(search.arrived)) / limits.weights.arrived, 0.0)
 
     def _take(self, search: _Search, best: _Candidate, time: float, expected: Gate | None) -> bool:
         """Take the likeliest disc, or the fit to the edge points around it, if its log-odds are enough."""

@@ -59,6 +59,14 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Way from picture to picture, radii, from which a ball is fast: an ambiguous fit is a search for it then.
     mass_sigma : float
         Standard deviation of the center of a mass that has arrived, radii.
+    late : float
+        Missed pictures from which the whole picture is looked at, by turns with what is near.
+    fits : float
+        Factor between the radius of a mass and that of the ball that is as good as none, below the largest one.
+    recent : float
+        Missed pictures in which an arrival loses most of what it says: the longer, the more else arrives.
+    rival : float
+        How much an arrival speaks against the ball where something else of its color has left, beside 1 for it.
     unseen, unseen_growth : float
         Log-odds by the network of what has arrived where a fast ball is due and is no disc to it, and the largest
         factor between the radius of that mass and of the ball.
@@ -81,11 +89,11 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     rank: float = 0.3
     same: float = 0.3
     reach: float = 3.0
-    spread: tuple[float, ...] = (1.0, 0.6, 1.0, 2.0)
+    spread: tuple[float, ...] = (1.0, 0.6, 2.5)
     again: int = 8
     growth: float = 1.6
-    grown: float = 10.0
-    most_growth: float = 3.0
+    grown: float = 5.0
+    most_growth: float = 3.5
     grows: float = 0.1
     middle: float = 0.7
     color_share: float = 0.3
@@ -99,6 +107,10 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     before: float = 0.6
     streak: float = 1.5
     mass_sigma: float = 0.2
+    late: float = 2.0
+    fits: float = 1.6
+    recent: float = 15.0
+    rival: float = 0.5
     unseen: float = 0.0
     unseen_growth: float = 1.5
     unseen_pictures: int = 3

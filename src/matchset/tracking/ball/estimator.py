@@ -228,7 +228,7 @@ class BallEstimator:
         found = best is not None and self._take(search, best, when[0], expected)
         vain = [
             (x, y, belief.searched)
-            for x, y, radius in proposed
+            for x, y, radius in dict.fromkeys(proposed)
             if all(math.dist((x, y), disc.circle[:2]) > radius for disc in discs)
         ]
         kept = [each for each in belief.in_vain if belief.searched - each[2] <= limits.again]
@@ -281,24 +281,7 @@ class BallEstimator:
         for rank, arrival in enumerate(search.arrived[: limits.starts - 1]):
             circle = arrival.x, arrival.y, expected.radius if is_expected else arrival.radius
             ranked.append((limits.weights.arrived * self._told(search) + self._merit(rank, circle, expected), circle))
-        late = not is_expected or expected.missed >= limits.late
-        anywhere = self._parameters.search.whole_frame and late and belief.searched % 2 == 1
-        turn = belief.searched // 2 if late else belief.searched
-        scale = limits.spread[turn % len(limits.spread)] if anywhere else 1.0
-        reach = float(max(search.image.shape)) if anywhere else limits.reach * expected.missed * expected.radius
-        colored = places_of_color(
-            search.image,
-            (belief.lab, search.color),
-            ((*place[:2], scale * expected.radius), reach),
-            turn,
-            [each[:2] for each in belief.in_vain],
-            limits.places,
-        )
-        if self._parameters.search.whole_frame and not is_expected and not anywhere:
-            votes = self._detectors.suited(search.image, expected.radius).searcher.candidates(
-                search.image, search.color
-            )
-            colored += [(x, y, radius) for x, y, radius, _ in votes[: limits.places.most].tolist()]
+        colored = self._colored(belief, search, is_expected=is_expected)
         ranked += [(self._merit(rank, circle, expected), circle) for rank, circle in enumerate(colored)]
         starts = list[Circle3]()
         for _, circle in sorted(ranked, key=lambda each: -each[0]):
@@ -306,6 +289,38 @@ class BallEstimator:
                 starts.append(circle)
         starts = starts[: limits.starts]
         return starts, [circle for circle in colored if circle in starts]
+
+    def _colored(self, belief: Belief, search: _Search, *, is_expected: bool) -> list[Circle3]:
+        """Circles of the ball's color near by, and in the whole picture: at once if it is small in cells, or by turns.
+
+        In every other picture of a ball that is not expected, circles of any size are voted for instead.
+        """
+        limits, expected, image = self._parameters.ball, search.expected, search.image
+        near = limits.reach * expected.missed * expected.radius
+        whole_frame = self._parameters.search.whole_frame
+        either = is_expected or not whole_frame or belief.searched % 2 == 0
+        found = self._places(belief, search, expected.radius, near) if either else []
+        if not whole_frame:
+            return found
+        cells = image.shape[0] * image.shape[1] / max(expected.radius / limits.places.radius_cells, 1.0) ** 2
+        if is_expected and cells > limits.places.cells and belief.searched % 2 == 0:
+            return found
+        if not is_expected and belief.searched % 2 == 0:
+            votes = self._detectors.suited(image, expected.radius).searcher.candidates(image, search.color)
+            return [*found, *((x, y, radius) for x, y, radius, _ in votes[: limits.places.most].tolist())]
+        scale = 1.0 if is_expected else limits.spread[belief.searched // 2 % len(limits.spread)]
+        return [*found, *self._places(belief, search, scale * expected.radius, float(max(image.shape)))]
+
+    def _places(self, belief: Belief, search: _Search, radius: float, reach: float) -> list[Circle3]:
+        """Circles of the ball's color within reach of where it is expected."""
+        return places_of_color(
+            search.image,
+            (belief.lab, search.color),
+            ((search.expected.x, search.expected.y, radius), reach),
+            belief.searched // 2,
+            [each[:2] for each in belief.in_vain],
+            self._parameters.ball.places,
+        )
 
     def _carried(self, belief: Belief, search: _Search) -> list[Circle3]:
         """Where the ball of the reference is now if it stood still while the camera turned."""
@@ -380,7 +395,8 @@ class BallEstimator:
         arrived = self._arrived(search, disc.circle)
         before = 0.0
         if search.changes is not None:
-            before = share_before(search.changes, (search.color, belief.pixel), disc.circle, limits.changes)
+            far = math.dist(disc.circle[:2], expected[:2]) > disc.circle[2]
+            before = share_before(search.changes, (search.color, belief.pixel), disc.circle, limits.changes, moved=far)
         return Features(
             network=disc.log_odds,
             color=max(color, limits.mixed_color) if arrived > 0.0 else color,

@@ -59,8 +59,6 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Way from picture to picture, radii, from which a ball is fast: an ambiguous fit is a search for it then.
     mass_sigma : float
         Standard deviation of the center of a mass that has arrived, radii.
-    late : float
-        Missed pictures from which the whole picture is looked at, by turns with what is near.
     fits : float
         Factor between the radius of a mass and that of the ball that is as good as none, below the largest one.
     recent : float
@@ -107,7 +105,6 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     before: float = 0.6
     streak: float = 1.5
     mass_sigma: float = 0.2
-    late: float = 2.0
     fits: float = 1.6
     recent: float = 15.0
     rival: float = 0.5

@@ -146,7 +146,7 @@ def test_the_size_does_not_follow_an_outline_faster_than_a_ball_grows() -> None:
 def test_places_where_no_ball_is_seen_are_noted_and_forgotten_later() -> None:
     tracker = seen()
     places = [(200.0, 50.0, 26.0), (64.0, 90.0, 26.0)]
-    where = "matchset.tracking.ball.estimator.places_of_color"
+    where = "matchset.tracking.ball.propose.places_of_color"
     with sees(Disc((60.0, 90.0, 26.0), np.eye(3), -9.0), confirmed=False):
         with patch(where, return_value=places):
             tracker._ball.find(picture(60.0), tracker.color, LAST, None, NEXT)
@@ -164,7 +164,7 @@ def test_every_part_of_the_picture_is_read_in_turn_beside_what_is_near() -> None
     tracker, turns = seen(), {True: list[int](), False: list[int]()}
     with (
         sees(Disc((60.0, 90.0, 26.0), np.eye(3), -9.0), confirmed=False),
-        patch("matchset.tracking.ball.estimator.places_of_color", return_value=[]) as asked_for,
+        patch("matchset.tracking.ball.propose.places_of_color", return_value=[]) as asked_for,
     ):
         for _ in range(24):
             tracker._ball.find(picture(60.0), tracker.color, LAST, None, (1.0 / 30.0, 1.0 / 30.0))

@@ -96,7 +96,6 @@ class Tracker(Copied, Generic[S]):
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
-        self._time: float
         self._forget_frames()
         self._start = self._hint
         self._make_derived()
@@ -204,7 +203,7 @@ class Tracker(Copied, Generic[S]):
         rejected = self._tracked(image)
         if rejected is not None and self._relight(image):
             rejected = self._tracked(image)
-        if rejected is None and self._on_look_alike(image):
+        if rejected is None and self._ball.is_look_alike(image, self.color, self._fitter.state, self._time):
             rejected = NOT_FOUND
         if rejected is not None:
             reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
@@ -219,8 +218,8 @@ class Tracker(Copied, Generic[S]):
         if self.step.without_outline:
             return track
         if self._ball.is_due(self._time):
-            x, y, radius = gate_of(self._family, track.shape.state)
-            self._ball.note(image, (x, y, radius), self._time, self._fitter.statistics.msac_score)
+            score = self._fitter.statistics.msac_score
+            self._ball.note(image, gate_of(self._family, track.shape.state)[:3], self._time, score)
             self._adapting.keep(image, self.color)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
@@ -230,13 +229,6 @@ class Tracker(Copied, Generic[S]):
         if self.mode is Mode.SEARCHING:
             return NOT_FOUND
         return self.step.track(image, self.color, self._time, self._interval, self._frames)
-
-    def _on_look_alike(self, image: Image) -> bool:
-        """Whether what is followed stood there while the ball was elsewhere; asked as often as the color is renewed."""
-        if not (self._ball.knows() and self._ball.is_due(self._time) and self.step.outlines.judges(self.color)):
-            return False
-        x, y, radius = gate_of(self._family, self._fitter.state)
-        return self._ball.is_look_alike(image, self.color, (x, y, radius))
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
@@ -276,34 +268,27 @@ class Tracker(Copied, Generic[S]):
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
         predicted = self._coast()
         judged = self.step.outlines.judges(self.color)
-        if judged and (self._found_ball(image, predicted) or self._begun(image)):
+        if judged and self._by_network(image, predicted):
             return None
         if not (judged and self._ball.knows()):
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
             rejection = "" if best is None else self._confirm(image, best, predicted)
-            if rejection is None:
-                return None
-            if not judged and (self._found_ball(image, predicted) or self._begun(image)):
+            if rejection is None or (not judged and self._by_network(image, predicted)):
                 return None
             reason = rejection or reason
         near = self._last is not None and fills_picture(image, self.color, self._last, self.parameters.too_near)
         return Lost(TOO_NEAR if near else reason, self._time, self._shape_of(predicted))
 
-    def _found_ball(self, image: Image, predicted: Floats | None) -> bool:
-        """Find a ball that was seen before, with the network; whether it did."""
-        if self._last is None or not self._ball.knows():
-            return False
-        expected = None if predicted is None else gate_of(self._family, predicted)
-        last = gate_of(self._family, self._last.state)
-        return self._ball.find(image, self.color, last, expected, (self._time, self._interval))
-
-    def _begun(self, image: Image) -> bool:
-        """Begin in the first picture with the ball that was clicked, as the network sees it; whether it does."""
+    def _by_network(self, image: Image, predicted: Floats | None) -> bool:
+        """Find a ball that was seen before, or begin with the one that was clicked; whether the network sees it."""
+        if self._last is not None and self._ball.knows():
+            last, when = gate_of(self._family, self._last.state), (self._time, self._interval)
+            expected = None if predicted is None else gate_of(self._family, predicted)
+            return self._ball.find(image, self.color, last, expected, when)
         clicked = self._clicked() if self._frames == 1 else None
-        if clicked is None or not self._ball.begin(image, self.color, clicked, self._time):
-            return False
-        self._hint = None
-        return True
+        if begun := clicked is not None and self._ball.begin(image, self.color, clicked, self._time):
+            self._hint = None
+        return begun
 
     def _coast(self) -> Floats | None:
         """State expected while the shape is not seen; None once that has lasted too long."""
@@ -404,10 +389,7 @@ class Tracker(Copied, Generic[S]):
         return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
 
     def _elsewhere(self, unknown: bool) -> Prior:
-        """Say what is known of a shape that is neither where somebody clicked nor where it is expected.
-
-        A color that was learned against what is next to the target may be anywhere else.
-        """
+        """Say what is known of a shape elsewhere: a color learned against what is next to it may be anywhere."""
         return Prior.NONE if unknown or (self.color.is_local and self._last is None) else Prior.PRESENT
 
     def _shape_of(self, state: Floats | None) -> S | None:

@@ -30,15 +30,13 @@ from matchset.shapes.shape import Shape
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.changes import (
     Arrival,
-    PictureChanges,
     arrivals,
     changes_since,
     departures,
     reference_of,
     share_before,
 )
-from matchset.tracking.ball.color_places import places_of_color
-from matchset.tracking.ball.discs import are_same, middle_pixels
+from matchset.tracking.ball.discs import middle_pixels
 from matchset.tracking.ball.judge import covariance_of, likeliest
 from matchset.tracking.ball.log_odds import (
     ExpectedPlace,
@@ -46,6 +44,7 @@ from matchset.tracking.ball.log_odds import (
     log_odds,
     log_prior_of_place,
 )
+from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate, usual_size
 from matchset.tracking.parameters import TrackerParameters
@@ -75,32 +74,6 @@ class _Candidate(NamedTuple):
 
     disc: Disc
     log_odds: float
-
-
-class _Search(NamedTuple):
-    """A picture in which a ball is looked for.
-
-    Attributes
-    ----------
-    image : ndarray of shape (h, w, channels), uint8
-    color : ColorModel
-    expected : ExpectedPlace
-    interval : float
-        Since the picture before, s.
-    changes : PictureChanges or None
-        What has moved; None where that says nothing.
-    arrived : list of Arrival
-    is_told : bool
-        Whether an arrival may be the ball: it is expected, or nothing else of its color has left.
-    """
-
-    image: Image
-    color: ColorModel
-    expected: ExpectedPlace
-    interval: float
-    changes: PictureChanges | None
-    arrived: list[Arrival]
-    is_told: bool
 
 
 class BallEstimator:
@@ -219,7 +192,7 @@ class BallEstimator:
         size = self._size(belief, last.half_width, when)
         self.belief = belief = belief._replace(circle=last[:3], size=size, searched=belief.searched + 1)
         search = self._search(image, color, expected or last, when, is_expected=expected is not None)
-        starts, proposed = self._propose(belief, search, is_expected=expected is not None)
+        starts, proposed = propose(belief, search, self._detectors, self._parameters)
         network = self._step.outlines.network
         network.discs(image, [np.array(each) for each in starts], searched=True)
         discs = self._with_arrivals(search, network.seen(image))
@@ -246,7 +219,7 @@ class BallEstimator:
 
     def _search(
         self, image: Image, color: ColorModel, place: Gate, when: tuple[float, float], *, is_expected: bool
-    ) -> _Search:
+    ) -> BallSearch:
         """See what has moved, and say where the ball is expected."""
         belief, limits, motion = self.belief, self._parameters.ball, self._step.fitter.work.motion
         assert belief is not None
@@ -269,71 +242,9 @@ class BallEstimator:
             if not self._parameters.search.whole_frame:
                 reach = limits.reach * expected.missed * radius
                 arrived = [each for each in arrived if math.dist(each[:2], (place.x, place.y)) < reach]
-        return _Search(image, color, expected, when[1], changes, arrived, is_told)
+        return BallSearch(image, color, expected, is_expected, when[1], changes, arrived, is_told)
 
-    def _propose(self, belief: Belief, search: _Search, *, is_expected: bool) -> tuple[list[Circle3], list[Circle3]]:
-        """Circles from which the network is led, the likeliest first, and which of them its color proposed."""
-        limits, expected = self._parameters.ball, search.expected
-        place = expected.x, expected.y, expected.radius
-        ranked = [(math.inf, place)] if is_expected else []
-        ranked.append((0.0 if is_expected else math.inf, belief.circle))
-        ranked += [(math.inf, circle) for circle in self._carried(belief, search)]
-        for rank, arrival in enumerate(search.arrived[: limits.starts - 1]):
-            circle = arrival.x, arrival.y, expected.radius if is_expected else arrival.radius
-            ranked.append((limits.weights.arrived * self._told(search) + self._merit(rank, circle, expected), circle))
-        colored = self._colored(belief, search, is_expected=is_expected)
-        ranked += [(self._merit(rank, circle, expected), circle) for rank, circle in enumerate(colored)]
-        starts = list[Circle3]()
-        for _, circle in sorted(ranked, key=lambda each: -each[0]):
-            if not any(are_same(circle, each, limits.same) for each in starts):
-                starts.append(circle)
-        starts = starts[: limits.starts]
-        return starts, [circle for circle in colored if circle in starts]
-
-    def _colored(self, belief: Belief, search: _Search, *, is_expected: bool) -> list[Circle3]:
-        """Circles of the ball's color near by, and in the whole picture: at once if it is small in cells, or by turns.
-
-        In every other picture of a ball that is not expected, circles of any size are voted for instead.
-        """
-        limits, expected, image = self._parameters.ball, search.expected, search.image
-        near = limits.reach * expected.missed * expected.radius
-        whole_frame = self._parameters.search.whole_frame
-        either = is_expected or not whole_frame or belief.searched % 2 == 0
-        found = self._places(belief, search, expected.radius, near) if either else []
-        if not whole_frame:
-            return found
-        cells = image.shape[0] * image.shape[1] / max(expected.radius / limits.places.radius_cells, 1.0) ** 2
-        if is_expected and cells > limits.places.cells and belief.searched % 2 == 0:
-            return found
-        if not is_expected and belief.searched % 2 == 0:
-            votes = self._detectors.suited(image, expected.radius).searcher.candidates(image, search.color)
-            return [*found, *((x, y, radius) for x, y, radius, _ in votes[: limits.places.most].tolist())]
-        scale = 1.0 if is_expected else limits.spread[belief.searched // 2 % len(limits.spread)]
-        return [*found, *self._places(belief, search, scale * expected.radius, float(max(image.shape)))]
-
-    def _places(self, belief: Belief, search: _Search, radius: float, reach: float) -> list[Circle3]:
-        """Circles of the ball's color within reach of where it is expected."""
-        return places_of_color(
-            search.image,
-            (belief.lab, search.color),
-            ((search.expected.x, search.expected.y, radius), reach),
-            belief.searched // 2,
-            [each[:2] for each in belief.in_vain],
-            self._parameters.ball.places,
-        )
-
-    def _carried(self, belief: Belief, search: _Search) -> list[Circle3]:
-        """Where the ball of the reference is now if it stood still while the camera turned."""
-        if belief.reference is None or search.changes is None:
-            return []
-        circle = search.changes.reference.circle
-        return [circle] if math.dist(circle[:2], belief.reference.circle[:2]) > circle[2] else []
-
-    def _merit(self, rank: int, circle: Circle3, expected: ExpectedPlace) -> float:
-        """Merit of a place that is looked at: its prior, less a little for each that is better."""
-        return log_prior_of_place(circle[:2], expected, self._parameters.ball.place) - self._parameters.ball.rank * rank
-
-    def _with_arrivals(self, search: _Search, discs: list[Disc]) -> list[Disc]:
+    def _with_arrivals(self, search: BallSearch, discs: list[Disc]) -> list[Disc]:
         """Discs of the network, and where a fast ball is due what has arrived and is no disc to the network."""
         limits, expected = self._parameters.ball, search.expected
         found = list(discs)
@@ -349,19 +260,25 @@ class BallEstimator:
                 found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
         return found
 
-    def is_look_alike(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
-        """Say whether what is followed stood there while the ball was elsewhere.
+    def is_look_alike(self, image: Image, color: ColorModel, state: Floats, time: float) -> bool:
+        """Say whether what is followed stood there while the ball was elsewhere; as often as the color is renewed.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        circle : (x, y, radius)
+        state : ndarray of shape (>= 3,), float64
             What is followed, px.
+        time : float
+            Of the picture, s.
         """
         belief, limits = self.belief, self._parameters.ball
-        if belief is None or belief.reference is None:
+        if belief is None or belief.reference is None or not self.is_due(time):
             return False
+        if not self._step.outlines.judges(color):
+            return False
+        x, y, radius = state[:3].tolist()
+        circle = x, y, radius
         if math.dist(circle[:2], belief.reference.circle[:2]) < limits.changes.own * circle[2]:
             return False
         changes = changes_since(image, belief.reference, limits.changes)
@@ -369,7 +286,7 @@ class BallEstimator:
             return False
         return share_before(changes, (color, belief.pixel), circle, limits.changes, moved=False) > limits.before
 
-    def _measure(self, belief: Belief, search: _Search, discs: Sequence[Disc]) -> list[_Candidate]:
+    def _measure(self, belief: Belief, search: BallSearch, discs: Sequence[Disc]) -> list[_Candidate]:
         """Features and log-odds of each disc that can be the ball."""
         found = list[_Candidate]()
         for disc in discs:
@@ -378,7 +295,7 @@ class BallEstimator:
                 found.append(_Candidate(disc, log_odds(features, self._parameters.ball.weights)))
         return found
 
-    def _features(self, belief: Belief, search: _Search, disc: Disc) -> Features | None:
+    def _features(self, belief: Belief, search: BallSearch, disc: Disc) -> Features | None:
         """Features of a disc; None where it is far too large or small, or of quite another color."""
         limits, expected = self._parameters.ball, search.expected
         growth = abs(math.log(disc.circle[2] / expected.radius))
@@ -408,7 +325,7 @@ class BallEstimator:
             before=float(before > limits.before),
         )
 
-    def _arrived(self, search: _Search, circle: Circle3) -> float:
+    def _arrived(self, search: BallSearch, circle: Circle3) -> float:
         """How much it says that something has arrived at a disc: less where much has moved."""
         if search.changes is None:
             return 0.0
@@ -419,23 +336,9 @@ class BallEstimator:
             return 0.0
         off = min(abs(math.log(size / search.expected.radius)) for size in sizes)
         fits = min((math.log(limits.changes.growth) - off) / math.log(limits.fits), 1.0)
-        return self._told(search) * max(fits, 0.0)
+        return told_by_arrivals(search, limits) * max(fits, 0.0)
 
-    def _told(self, search: _Search) -> float:
-        """How much an arrival says, of 1: less where much has moved, where several things have arrived, and later on.
-
-        Where something else of the ball's color has left, that has arrived: it speaks against the ball.
-        """
-        if search.changes is None or not search.arrived:
-            return 0.0
-        limits = self._parameters.ball
-        calm = 1.0 - search.changes.share / limits.changes.most_share
-        if not search.is_told:
-            return -limits.rival * calm
-        recent = math.exp(-(search.expected.missed - 1.0) / limits.recent)
-        return max(calm * recent - math.log(len(search.arrived)) / limits.weights.arrived, 0.0)
-
-    def _take(self, search: _Search, best: _Candidate, time: float, expected: Gate | None) -> bool:
+    def _take(self, search: BallSearch, best: _Candidate, time: float, expected: Gate | None) -> bool:
         """Take the likeliest disc, or the fit to the edge points around it, if its log-odds are enough."""
         step, weights = self._step, self._parameters.ball.weights
         if best.log_odds + weights.edges <= 0.0:

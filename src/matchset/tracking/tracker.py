@@ -96,6 +96,7 @@ class Tracker(Copied, Generic[S]):
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
+        self._time: float
         self._forget_frames()
         self._start = self._hint
         self._make_derived()
@@ -226,9 +227,8 @@ class Tracker(Copied, Generic[S]):
 
     def _tracked(self, image: Image) -> Estimate | None:
         """Track the shape into a picture; the estimate that was rejected, None if one was accepted."""
-        if self.mode is Mode.SEARCHING:
-            return NOT_FOUND
-        return self.step.track(image, self.color, self._time, self._interval, self._frames)
+        when = self._time, self._interval, self._frames
+        return NOT_FOUND if self.mode is Mode.SEARCHING else self.step.track(image, self.color, *when)
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""

@@ -30,7 +30,7 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.jit import compile_user_function, interpreted, kernel
 from matchset.numeric.record import Block, Record, fields, new_block, store
 from matchset.shapes.family_check import check_family
-from matchset.shapes.shape import Shape, corners, places, slopes, steady
+from matchset.shapes.shape import Shape, corners, has_size, places, slopes, steady
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -213,6 +213,7 @@ class Fitter(Copied, Generic[S]):
         work.places[: where.size] = where.ravel()
         work.interior[:n] = chosen.quality.interior_radius * np.sqrt((np.arange(n) * GOLDEN) % 1.0)
         work.motion.slow_from = steady(self.family)
+        work.motion.sized = float(has_size(self.family))
         store(work.match_limits, chosen.match)
         store(work.fit_limits, chosen.fit)
         store(work.quality_limits, chosen.quality)

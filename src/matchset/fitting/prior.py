@@ -37,16 +37,26 @@ class MotionParameters(msgspec.Struct, frozen=True):
     typical_gain, typical_min_score : float
         Share of its change that the typical half-width follows, and the MSAC score from which a fit may change it.
         Chosen by hand; `python -m benchmarks --only false_locks` would show a change.
-    size_gain : float
-        Share of a change of ln(half-width) that the remembered size follows at once, where the outline agrees wholly.
-        It and the next three: chosen by hand, once; `python -m benchmarks --only real` would show a change.
-    size_trend, size_trend_memory : float
-        Share that its rate of change follows, per frame, and what a frame leaves of that rate.
-    size_step : float
-        Largest change that counts: a size that is wrong for a few frames is soon forgotten. The first sightings count
-        in full.
+    size_acceleration : float
+        Standard deviation of the second derivative of ln(half-width), 1/s^2: acceleration along the line of sight as a
+        share of the distance. Less holds on to a size, more follows sudden motion sooner. It and the next ones: chosen
+        on flights of seeds 901 and 907; `python -m benchmarks --only real` would show a change.
+    size_rate, size_fade_s : float
+        Standard deviation of its rate of change at the first sighting, 1/s, and the time in which the rate fades to
+        1/e where nothing is seen of it, s.
+    size_sigma, size_clutter : float
+        Standard deviation of ln(half-width) of a fit with whose outline everything agrees, and what is added to it
+        where nothing does: things beside the target err alike for many frames.
+    size_sigmas : float
+        Standard deviations of an innovation of ln(half-width) from which a fit needs other proof.
+    size_worth : float
+        By how much the MSAC score may be less where the size is held: more follows edge points less.
+    size_reach : float
+        How far the place may move where the size is held, in changes of the half-width.
     size_kept_s : float
         After so long without a sighting the size is not remembered, s.
+    focal_px, center_x_px, center_y_px : float
+        Focal length and center of the camera, where they are known: away from there the same ball looks larger.
     """
 
     gain: float = 0.7
@@ -57,11 +67,18 @@ class MotionParameters(msgspec.Struct, frozen=True):
     min_sigma: float = 0.3
     typical_gain: float = 0.1
     typical_min_score: float = 0.75
-    size_gain: float = 0.15
-    size_trend: float = 0.02
-    size_trend_memory: float = 0.95
-    size_step: float = 0.04
+    size_acceleration: float = 20.0
+    size_rate: float = 1.0
+    size_fade_s: float = 0.6
+    size_sigma: float = 0.01
+    size_clutter: float = 1.0
+    size_sigmas: float = 2.0
+    size_worth: float = 0.2
+    size_reach: float = 2.0
     size_kept_s: float = 1.0
+    focal_px: float = math.inf
+    center_x_px: float = 0.0
+    center_y_px: float = 0.0
 
 
 class WindowParameters(msgspec.Struct, frozen=True):

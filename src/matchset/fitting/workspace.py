@@ -154,8 +154,9 @@ class Motion:
 
     Time of the last sighting, s; speed, px/s; innovation, px; half-width over the last well-confirmed frames, px; sums
     over the last frames of the speed times the field offset along it, px^2/s, and of the speed squared; from which
-    number on the state changes slowly. The size remembered: ln(half-width / px), its change per second, how many
-    sightings that rests on, and the time of the last one, s.
+    number on the state changes slowly; 1 where the third number is the half-width. The size remembered: ln(half-width /
+    px) and its change per second, as in the middle of the picture; variance of the first, 0 where nothing is
+    remembered, covariance, variance of the second; time of the last sighting, s.
     """
 
     time: float
@@ -165,9 +166,12 @@ class Motion:
     offset_moment: float
     speed_moment: float
     slow_from: float
+    sized: float
     size_log: float
     size_trend: float
-    size_count: float
+    size_variance: float
+    size_covariance: float
+    trend_variance: float
     size_time: float
 
 

@@ -5,7 +5,7 @@ The parameters stand in `fitting.prior`, since the fit uses the prediction as it
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import msgspec
@@ -102,6 +102,22 @@ def in_gate(work: Record, half_width: float, predicted_half_width: float) -> boo
 
 
 @helper
+def predict_size(work: Record, time: float) -> tuple[float, float, float, float, float]:
+    """Predict the size remembered to a time, s: ln(half-width), its rate, their variances and covariance.
+
+    The rate fades. Between two sightings the acceleration along the line of sight is unknown.
+    """
+    motion, limits = work.motion, work.motion_limits
+    passed = max(time - motion.size_time, 0.0)
+    kept, push = math.exp(-passed / limits.size_fade_s), limits.size_acceleration * passed
+    variance = motion.size_variance + passed * (2.0 * motion.size_covariance + passed * motion.trend_variance)
+    variance += 0.25 * push * push * passed * passed
+    covariance = kept * (motion.size_covariance + passed * motion.trend_variance) + 0.5 * push * push * passed
+    of_rate = kept * kept * motion.trend_variance + push * push
+    return motion.size_log + passed * motion.size_trend, kept * motion.size_trend, variance, covariance, of_rate
+
+
+@helper
 def extrapolate(work: Record, time: float, missed: float) -> None:
     """Predict the state at a time, `missed` frames after the last sighting; the velocity fades while nothing is seen.
 
@@ -163,37 +179,81 @@ def correct_motion(work: Record, time: float) -> None:
 
 
 @helper
-def remember_size(work: Record, time: float) -> None:
-    """Let the remembered size follow a fit that was accepted at a time, s: slowly, and less where less of it agrees.
+def log_foreshortening(work: Record, x: float, y: float) -> float:
+    """By how much ln(half-width) is larger at a place in the picture than in its middle, of the same ball as far off.
 
-    The size of a rigid ball is smooth, while a hand or a highlight takes in a wrong outline for a few frames. So
-    ln(half-width) and its trend follow bounded steps.
+    Off the axis a pinhole camera shows a ball longer by 1 / cos^2 of the angle, and wider by 1 / cos.
+    """
+    limits = work.motion_limits
+    away = math.hypot(x - limits.center_x_px, y - limits.center_y_px) / limits.focal_px
+    return float(0.75 * math.log1p(away * away))
+
+
+@helper
+def size_error(work: Record) -> float:
+    """Variance of ln(half-width) of the last fit: much where little of the outline agrees."""
+    limits = work.motion_limits
+    doubt = limits.size_clutter * (1.0 - min(max(work.fit.msac_score, 0.0), 1.0)) ** 3
+    return float(limits.size_sigma * limits.size_sigma + doubt * doubt)
+
+
+@helper
+def expect_size(work: Record, time: float) -> None:
+    """Expect the size remembered in a frame at a time, s, as well as it is known."""
+    motion = work.motion
+    if motion.sized == 1.0 and motion.size_variance > 0.0 and time - motion.size_time < work.motion_limits.size_kept_s:
+        size, _, variance, _, _ = predict_size(work, time)
+        radius = math.exp(size + log_foreshortening(work, motion.predicted[0], motion.predicted[1]))
+        motion.predicted[2], motion.prior_sigma[2] = radius, radius * math.sqrt(variance)
+
+
+@helper
+def of_usual_size(work: Record, time: float) -> bool:
+    """Whether the last fit is as large as a ball can be that was as large as remembered, at a time, s."""
+    motion, limits = work.motion, work.motion_limits
+    if motion.size_variance == 0.0 or not time - motion.size_time < limits.size_kept_s:
+        return True
+    size, _, variance, _, _ = predict_size(work, time)
+    size += log_foreshortening(work, work.state[0], work.state[1])
+    innovation, sigma = math.log(max(work.fit.half_width, 1.0)) - size, limits.size_sigma
+    return bool(innovation * innovation < limits.size_sigmas * limits.size_sigmas * (variance + sigma * sigma))
+
+
+@helper
+def remember_size(work: Record, time: float) -> None:
+    """Correct the size remembered with a fit that was accepted at a time, s: a Kalman filter.
+
+    The size of a rigid ball is smooth, while a hand or another thing of its color takes in a wrong outline for a few
+    frames.
     """
     motion, limits = work.motion, work.motion_limits
-    size, passed = math.log(max(work.fit.half_width, 1.0)), time - motion.size_time
-    if motion.size_count == 0.0 or not passed < limits.size_kept_s:
-        motion.size_log, motion.size_trend, motion.size_count, motion.size_time = size, 0.0, 1.0, time
-    elif passed > 0.0:
-        motion.size_count += 1.0
-        gain = max(limits.size_gain, 1.0 / motion.size_count)
-        most = limits.size_step * gain / limits.size_gain
-        expected = motion.size_log + passed * motion.size_trend
-        change = min(max(size - expected, -most), most) * min(max(work.fit.msac_score, 0.0), 1.0)
-        motion.size_log = expected + gain * change
-        motion.size_trend = limits.size_trend_memory * motion.size_trend + limits.size_trend * change / passed
-        motion.size_time = time
+    size, error = math.log(max(work.fit.half_width, 1.0)), size_error(work)
+    size -= log_foreshortening(work, work.state[0], work.state[1])
+    if motion.size_variance == 0.0 or not time - motion.size_time < limits.size_kept_s:
+        motion.size_log, motion.size_trend, motion.size_covariance = size, 0.0, 0.0
+        motion.size_variance, motion.trend_variance = error, limits.size_rate * limits.size_rate
+    elif time > motion.size_time:
+        expected, rate, variance, covariance, of_rate = predict_size(work, time)
+        gain, innovation = 1.0 / (variance + error), size - expected
+        motion.size_log = expected + variance * gain * innovation
+        motion.size_trend = rate + covariance * gain * innovation
+        motion.size_variance = variance * error * gain
+        motion.size_covariance = covariance * error * gain
+        motion.trend_variance = of_rate - covariance * covariance * gain
+    motion.size_time = time
 
 
-def usual_size(work: Record, frame: tuple[float, float]) -> tuple[float, float] | None:
-    """Size that is remembered, for a frame at a time, s, an interval after the one before; None where none is.
+def usual_size(work: Record, time: float, place: Sequence[float] | Floats) -> tuple[float, float] | None:
+    """Size that is remembered, at a place (x, y, ...) in a frame at a time, s; None where none is.
 
-    Returns ln(half-width / px) and how many frames ago that was known, at least 1.
+    Returns ln(half-width / px) and its standard deviation.
     """
-    motion, (time, interval) = work.motion, frame
-    passed = time - float(motion.size_time)
-    if float(motion.size_count) == 0.0 or not passed < float(work.motion_limits.size_kept_s):
+    motion = work.motion
+    if motion.size_variance == 0.0 or not time - float(motion.size_time) < float(work.motion_limits.size_kept_s):
         return None
-    return float(motion.size_log) + passed * float(motion.size_trend), max(passed / interval, 1.0)
+    size, _, variance, _, _ = interpreted(predict_size)(work, time)
+    longer = interpreted(log_foreshortening)(work, float(place[0]), float(place[1]))
+    return float(size) + longer, math.sqrt(variance)
 
 
 @helper
@@ -214,6 +274,7 @@ def predict(work: Record, time: float, interval: float) -> None:
         work.motion.time = time - interval
     missed = max((time - work.motion.time) / interval, 1.0)
     extrapolate(work, time, missed)
+    expect_size(work, time)
     open_window(work, missed, interval)
 
 
@@ -224,7 +285,7 @@ def correct(work: Record, time: float) -> int:
     Returns `Rejection.NONE`; or `Rejection.AMBIGUOUS`, and nothing is corrected, if it is weak or outside the gate.
     """
     near = in_gate(work, work.fit.half_width, work.start_half_width)
-    if not near or is_weak(work.fit, work.validation):
+    if not near or not of_usual_size(work, time) or is_weak(work.fit, work.validation):
         return Rejection.AMBIGUOUS.value
     correct_motion(work, time)
     correct_size(work, time)
@@ -280,6 +341,6 @@ def forget_motion(work: Record, same_camera: bool) -> None:
         Whether what is known of the fields remains.
     """
     motion = work.motion
-    motion.typical_half_width = motion.size_count = 0.0
+    motion.typical_half_width = motion.size_variance = 0.0
     if not same_camera:
         motion.offset_moment = motion.speed_moment = 0.0

@@ -3,7 +3,7 @@
 import msgspec
 
 from matchset.fitting.fitter import FittingParameters
-from matchset.fitting.prior import FieldParameters
+from matchset.fitting.prior import FieldParameters, MotionParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.light.color_adaptation import AdaptationParameters
@@ -103,9 +103,20 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     coast: float = 0.35
 
 
-IN_FLIGHT = TrackerParameters(network=NetworkParameters(looks=4, size_sigma=0.03), fields=FieldParameters(memory=0.98))
-"""How a vehicle follows its neighbor's ball.
+IN_FLIGHT = TrackerParameters(
+    network=NetworkParameters(looks=4),
+    motion=MotionParameters(size_acceleration=1.5),
+    fields=FieldParameters(memory=0.98),
+)
+"""How a vehicle follows its neighbor's ball; `in_flight` adds the camera.
 
-Few looks, since a command waits for them; no ball grows by more than 3 % from one picture to the next; and the fields
-of one camera lie as far apart as they are. Chosen on a rendered flight, seed 1107.
+Few looks, since a command waits for them; vehicles that keep their distance change it by less than 2 m/s^2; and the
+fields of one camera lie as far apart as they are. Chosen on rendered flights, seeds 901, 907 and 1107.
 """
+
+
+def in_flight(focal_px: float, center_px: tuple[float, float]) -> TrackerParameters:
+    """Parameters to follow a neighbor's ball with a camera of a focal length and a principal point, px."""
+    x, y = center_px
+    motion = msgspec.structs.replace(IN_FLIGHT.motion, focal_px=focal_px, center_x_px=x, center_y_px=y)
+    return msgspec.structs.replace(IN_FLIGHT, motion=motion)

@@ -23,9 +23,10 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.jit import collection_paused, interpreted
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
+from matchset.tracking.ball.judge import DISC
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.initialization import noise_in
-from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept
+from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept, size_error, usual_size
 from matchset.tracking.outlines.hypotheses import Hypotheses
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
@@ -36,6 +37,7 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+HELD = 1e-4  # format: standard deviation of a half-width that is held, as a share of it
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
@@ -160,6 +162,7 @@ class TrackStep(Copied, Generic[S]):
         if estimate.rejection and window.min_range + window.innovations * innovation * missed < window.max_range:
             estimate = self.fitter.fit(image, color, predicted, SearchWindow(window.max_range, speed))
         period = limits.hypotheses.period if finds_itself(self.fitter.family) else 1
+        witnessed = False
         may_test = bool(estimate.rejection) or index % period == 0
         if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
             stretched = self._with_modes(image, color, estimate, speed)
@@ -169,11 +172,53 @@ class TrackStep(Copied, Generic[S]):
                 chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
                 if chosen is None and not self.outlines.judges(color):
                     chosen = self._test_hypotheses(image, color, estimate, speed)
+                witnessed = chosen is not None
                 estimate = chosen or self._unless_faint(estimate, image, color)
+        if not (estimate.rejection or witnessed):
+            estimate = self._of_usual_size(image, color, estimate, time, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)
         return estimate._replace(rejection=rejection)
+
+    def _of_usual_size(
+        self, image: Image, color: ColorModel, estimate: Estimate, time: float, speed: float
+    ) -> Estimate:
+        """Fit the place anew at the size remembered, if a fit to a disc differs more from that than a ball can.
+
+        The place is fitted from the prediction and from the fit; edge points must agree about as well.
+        """
+        fitter, limits = self.fitter, self.parameters.motion
+        size = usual_size(fitter.work, time, estimate.state)
+        if size is None or not self.outlines.is_disc:
+            return estimate
+        innovation = math.log(estimate.fit.half_width) - size[0]
+        if abs(innovation) < limits.size_sigmas * math.hypot(size[1], limits.size_sigma):
+            return estimate
+        known = size[1] ** 2 / (size[1] ** 2 + interpreted(size_error)(fitter.work))
+        held = math.exp(size[0] + known * innovation)
+        best, most = estimate, estimate.fit.msac_score - limits.size_worth
+        made = kept = fitter.block.copy()
+        for place in (fitter.work.motion.predicted[:2].copy(), estimate.state[:2]):
+            start = np.array((*place, held, *estimate.state[DISC:]))
+            other = self._fit_held(image, color, start, abs(held - estimate.fit.half_width), speed)
+            if not other.rejection and other.fit.msac_score > most:
+                fitter.work.fit.half_width = estimate.fit.half_width  # remembered is what was seen, not the memory
+                best, most, kept = other, other.fit.msac_score, fitter.block.copy()
+            fitter.block[:] = made
+        fitter.block[:] = kept
+        return best
+
+    def _fit_held(self, image: Image, color: ColorModel, start: Floats, change: float, speed: float) -> Estimate:
+        """Fit the place of a disc whose size is held; `change`: by how much that differs from what was fitted, px."""
+        fitter, limits, window = self.fitter, self.parameters.motion, self.parameters.window
+        sigma, of_motion = fitter.work.motion.prior_sigma, fitter.work.motion.prior_sigma.copy()
+        reach = limits.size_reach * change
+        sigma[:2], sigma[2] = reach, HELD * start[2]
+        near = SearchWindow(min(max(reach, window.min_range), window.max_range), speed, use_prior=True)
+        fitted = fitter.fit(image, color, start, near)
+        sigma[:] = of_motion
+        return fitted
 
     def _unless_faint(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
         """Demand of a fit that is seen faintly, where the network sees no ball, what a detection needs."""

@@ -131,7 +131,7 @@ class Tracker(Copied, Generic[S]):
         limits, motion = self.parameters.initialization, self._fitter.work.motion
         sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
         initialize(self._fitter.work, shape.state, self._time, sigma)
-        motion.velocity[:2], motion.size_count = checked_point("the velocity", velocity), 0.0
+        motion.velocity[:2], motion.size_variance = checked_point("the velocity", velocity), 0.0
         self._initial, self._last, self.step.acquired, self.mode = shape, shape, None, Mode.TRACKING
 
     def restart(self, hint: tuple[float, float] | S | None = None, *, same_camera: bool = False) -> None:

@@ -31,7 +31,7 @@ from matchset.localization.next_ball.next_ball_tracker import NextBallParameters
 from matchset.localization.pose import Pose
 from matchset.numeric.arguments import require_positive
 from matchset.shapes.circle import Circle
-from matchset.tracking.parameters import IN_FLIGHT
+from matchset.tracking.parameters import in_flight
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
@@ -177,7 +177,9 @@ class Pilot:
         """Make what finds balls and markers in pictures."""
         ball, target = self._colors.ball, self.parameters.target
         self._lights = in_lights(ball, self.parameters.association.shade)
-        self._tracker = Tracker(Circle, ball, parameters=IN_FLIGHT)
+        camera = self.camera.model
+        parameters = in_flight(math.sqrt(camera.fx * camera.fy), (camera.cx, camera.cy))
+        self._tracker = Tracker(Circle, ball, parameters=parameters)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._next_ball = NextBallTracker(self.camera.model, target, ball, self.parameters.next_ball)
 

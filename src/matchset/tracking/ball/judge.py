@@ -85,9 +85,6 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds of a disc that was clicked from which its region need not be a disc's.
     chroma_sigma : float
         Standard deviation of that in chroma, where a target is looked for in a picture, units of CIE Lab.
-    size_sigma : float
-        Standard deviation of ln(half-width) beside the size remembered, a frame later; it grows with the root of the
-        frames. Less holds on to wrong sizes, more takes streaks for larger balls.
     range_share, min_range_px, sigma_share : float
         Search range of the fit that begins at a disc, in half-widths and at least px; and how far edge points are
         expected, as a share of that: less keeps to the disc, more to what lies around it.
@@ -120,7 +117,6 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     renewed: float = 4.5
     clicked: float = 3.0
     chroma_sigma: float = 6.0
-    size_sigma: float = 0.07
     range_share: float = 0.03
     min_range_px: float = 1.5
     sigma_share: float = 0.4
@@ -240,9 +236,9 @@ class Judge:
         disc : Disc
             Its covariance is inflated, as in `weighed`.
         size : (float, float)
-            ln(half-width / px), and how many frames ago that was known.
+            ln(half-width / px), and its standard deviation.
         """
-        radius, sigma = math.exp(size[0]), self.limits.size_sigma * math.sqrt(size[1])
+        radius, sigma = math.exp(size[0]), size[1]
         known, other = disc.precision / self.limits.inflation, np.zeros((DISC, DISC))
         other[2, 2] = 1.0 / (sigma * radius) ** 2
         usual = np.array((0.0, 0.0, radius))

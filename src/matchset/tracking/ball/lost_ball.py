@@ -27,7 +27,7 @@ from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
 from matchset.tracking.ball.distractors import Distractors
 from matchset.tracking.ball.judge import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.detectors import Detectors
-from matchset.tracking.motion import Gate, gate_of
+from matchset.tracking.motion import Gate, gate_of, usual_size
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Acquisition
 from matchset.tracking.track_step import TrackStep
@@ -240,6 +240,9 @@ class LostBall:
         if disc.log_odds > network.limits.renewed:
             self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
         disc = self._step.outlines.refined(image, disc)
+        size = None if expected is None else usual_size(self._step.fitter.work, time, disc.circle)
+        if size is not None:
+            disc = network.of_size(disc, size)
         return self._take(image, color, (best[0], disc), (time, expected is None), network.limits.renewed)
 
     def _likeliest(

@@ -83,7 +83,8 @@ class OutlineChoice:
         unclear = likeliest(discs, self.network.limits.clear, self.network.limits.same) is None
         if unclear and not estimate.rejection:
             discs += self.network.discs(image, (estimate.state[:p],))
-        return self._near_disc(image, color, estimate, discs, (usual_size(fitter.work, frame), speed))
+        size = usual_size(fitter.work, frame[0], estimate.state)
+        return self._near_disc(image, color, estimate, discs, (size, speed))
 
     def _near_disc(
         self,

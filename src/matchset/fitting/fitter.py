@@ -30,7 +30,7 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.jit import compile_user_function, interpreted, kernel
 from matchset.numeric.record import Block, Record, fields, new_block, store
 from matchset.shapes.family_check import check_family
-from matchset.shapes.shape import Shape, corners, has_size, places, slopes, steady
+from matchset.shapes.shape import Shape, corners, places, slopes, steady
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -39,6 +39,7 @@ S = TypeVar("S", bound=Shape)
 
 # theorem: multiples of the golden ratio, modulo 1, are spread evenly (Weyl)
 GOLDEN = 0.6180339887
+DISC = 3  # format: parameters of a disc, the third its half-width
 MIN_SIDED_STATE, MAX_SIDED_STATE = 5, 8  # geometry: numbers of a state with which one side can move alone
 
 
@@ -213,7 +214,8 @@ class Fitter(Copied, Generic[S]):
         work.places[: where.size] = where.ravel()
         work.interior[:n] = chosen.quality.interior_radius * np.sqrt((np.arange(n) * GOLDEN) % 1.0)
         work.motion.slow_from = steady(self.family)
-        work.motion.sized = float(has_size(self.family))
+        first = self.family.from_coarse(0.0, 0.0, 1.0).state
+        work.motion.sized = float(work.parameter_count == DISC and self.family.half_width(first) == first[2])
         store(work.match_limits, chosen.match)
         store(work.fit_limits, chosen.fit)
         store(work.quality_limits, chosen.quality)

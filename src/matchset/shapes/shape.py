@@ -100,12 +100,6 @@ def steady(family: type[Any]) -> float:
     return float(getattr(family, "steady", math.inf))
 
 
-def has_size(family: type[Any]) -> bool:
-    """Whether the third of three parameters is the half-width, as of a circle, so that its size may be predicted."""
-    state = family.from_coarse(0.0, 0.0, 1.0).state
-    return len(family.parameters) == 3 and float(family.half_width(state)) == float(state[2])
-
-
 def finds_itself(family: type[Any]) -> bool:
     """Whether the family begins at the hull of a region of its color; otherwise a search votes for circles."""
     return hasattr(family, "from_hull")

@@ -62,8 +62,8 @@ def test_stretch_begins_where_a_tracker_that_has_read_all_does_what_it_does_now_
         with VideoStretch(str(path), begin, 7.0, lambda _: None, first=first) as stretch:
             assert next(stretch).index == index
     limits = TrackerParameters()
-    own = limits.remembered, limits.others.period, limits.hypotheses.period, 4 * limits.adaptation.period
-    for period in (*own, limits.adaptation.sweep * limits.adaptation.period):
+    own = limits.hypotheses.period, 4 * limits.adaptation.period, limits.adaptation.sweep * limits.adaptation.period
+    for period in own:
         assert StretchParameters().cycle % period == 0
 
 

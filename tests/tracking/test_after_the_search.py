@@ -6,7 +6,7 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.tracking.ball.lost_ball import LostBall
+from matchset.tracking.ball.estimator import BallEstimator
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
@@ -44,5 +44,5 @@ def test_a_ball_that_jumps_is_found_and_once_it_has_left_it_is_lost() -> None:
 def test_a_fit_in_the_gate_needs_no_search(monkeypatch: pytest.MonkeyPatch) -> None:
     tracker = rested()
     monkeypatch.setattr(Tracker, "_choose", None)  # so that a search would fail
-    monkeypatch.setattr(LostBall, "find", None)
+    monkeypatch.setattr(BallEstimator, "find", None)
     assert tracker.update(ms.Frame(picture(152.0), STILL / 30.0, STILL))

@@ -1,14 +1,20 @@
 """A ball that has left the picture is not found in what is of its color: whole films, rendered."""
 
+from unittest.mock import patch
+
 import numpy as np
 import pytest
 from benchmarks.tracking.false_locks import Task, watch
+from hidden_ball import picture
 
 import matchset as ms
+from matchset.image.disc_network.network import Disc
 from matchset.sim.clips.clip import Clip
-from matchset.tracking.ball.judge import NetworkParameters
-from matchset.tracking.ball.lost_ball import _Expected
+from matchset.tracking.ball.discs import middle_pixels
+from matchset.tracking.ball.judge import Judge
+from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.motion import Gate
+from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import SearchParameters
 
@@ -21,12 +27,21 @@ def test_nothing_is_taken_for_a_ball_that_is_gone(seed: int) -> None:
 
 @pytest.mark.parametrize("missed", [1.0, 5.0, 50.0, 1000.0])
 def test_however_long_it_is_gone_its_size_stays_within_a_factor(missed: float) -> None:
-    limits, place = NetworkParameters(), Gate(100.0, 100.0, 40.0)
-    expected = _Expected(place, 40.0, missed)
-    for factor in (limits.returned, 1.0 / limits.returned):
-        assert expected.log_odds(place._replace(half_width=40.0 * factor**1.01), limits) is None
-    inside = place._replace(half_width=40.0 * min(limits.growth, limits.returned) ** 0.99)
-    assert expected.log_odds(inside, limits) is not None
+    limits, last = BallSearchParameters(), Gate(160.0, 90.0, 26.0)
+    inside = min(limits.growth, limits.most_growth) ** 0.99
+    outside = limits.most_growth**1.01
+    for factor, possible in ((inside, True), (outside, False), (1.0 / inside, True), (1.0 / outside, False)):
+        image = picture(160.0)
+        tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160.0, 90.0), start=(160.0, 90.0))
+        assert tracker.update(image)
+        disc = Disc((160.0, 90.0, factor * last.half_width), np.eye(3), 9.0)
+        with (
+            patch.object(Judge, "discs", return_value=[disc]),
+            patch.object(Judge, "seen", return_value=[disc]),
+            patch.object(OutlineChoice, "fit_lost", return_value=False),
+            patch("matchset.tracking.ball.estimator.middle_pixels", return_value=middle_pixels(image, last[:3], 0.7)),
+        ):
+            assert tracker._ball.find(image, tracker.color, last, last, (missed / 30.0, 1.0 / 30.0)) is possible
 
 
 def test_without_a_search_of_the_whole_frame_a_lost_ball_is_looked_for_near_by_alone() -> None:

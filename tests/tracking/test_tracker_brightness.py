@@ -9,6 +9,7 @@ import pytest
 import matchset as ms
 from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.image.brightness import BrightnessParameters, level_across, level_in
+from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 
 ROWS, COLUMNS = np.indices((120, 160))
@@ -73,7 +74,8 @@ def test_after_a_loss_brightness_alone_is_no_reason_to_expect_the_shape(
 
     image = np.repeat(IMAGE[:, :, np.newaxis], 3, axis=2) + np.array([60, 0, 0], np.uint8)
     color = ms.ColorModel.dark() if dark else ms.ColorModel.pick(image, 80, 60)
-    tracker = ms.Tracker(ms.Circle, color)
+    by_outlines = TrackerParameters(network=NetworkParameters(used=False))
+    tracker = ms.Tracker(ms.Circle, color, parameters=by_outlines)
     assert isinstance(tracker.update(ms.Frame(image, 0.0, 0)), ms.Track)
     assert isinstance(tracker.update(ms.Frame(np.full_like(image, 180), 5.0, 1)), ms.Lost)
     monkeypatch.setattr(Validator, "validate_detection", noted)

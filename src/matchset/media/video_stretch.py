@@ -21,8 +21,9 @@ class StretchParameters(msgspec.Struct, frozen=True):
     Parameters
     ----------
     cycle : int
-        After a jump frames are left out up to a multiple of so many: what a tracker does in every third, tenth or
-        thirtieth frame it then does in the same frames as one that has read all. 1: none is left out.
+        After a jump frames are left out up to a multiple of so many: what a tracker does in every third frame, and by
+        turns within sixty (`AdaptationParameters.sweep`), it then does in the same frames as one that has read all.
+        1: none is left out.
     """
 
     cycle: int = 60

@@ -8,10 +8,10 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.fitter import Estimate
+from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
-from matchset.image.frame import Picture, channels_last, frame_of
+from matchset.image.frame import Frame, Picture, channels_last, frame_of
 from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
@@ -92,17 +92,20 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
         found.append((merit, track))
     found.sort(key=lambda pair: -pair[0])
     if not sure and family is Circle and color.sample is not None and detector.fitter.weighs(color):
-        spread = DiscDetector(detector.fitter, color, CHOICE.discs).find(image)
-        if spread is not None:
-            best = track_of(detector.fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-            found = [(1.0, best), *(each for each in found if not _is_around(best, each[1]))]
+        found = _by_network(detector.fitter, color, frame, found)
     return [track for _, track in found[:limit]]
 
 
-def _is_around(circle: Track[Any], other: Track[Any]) -> bool:
-    """Whether a circle holds another shape's center."""
-    x, y, radius = circle.shape.state[:3].tolist()
-    return bool(math.dist(other.shape.state[:2].tolist(), (x, y)) < radius)
+def _by_network(
+    fitter: Fitter[Any], color: ColorModel, frame: Frame, outlines: list[tuple[float, Track[Any]]]
+) -> list[tuple[float, Track[Any]]]:
+    """Balls that the network sees, with the likeliest first, and their probability; outlines propose places."""
+    places = [(x, y, radius) for x, y, radius in (track.shape.state[:3].tolist() for _, track in outlines)]
+    found = list[tuple[float, Track[Any]]]()
+    for odds, spread in DiscDetector(fitter, color, CHOICE.discs).find(channels_last(frame.image), places):
+        track = track_of(fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
+        found.append((1.0 / (1.0 + math.exp(-odds)), track))
+    return found
 
 
 def _is_sure(estimate: Estimate) -> bool:

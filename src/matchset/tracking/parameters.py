@@ -8,9 +8,8 @@ from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.image.light.relighting import RelightingParameters
-from matchset.tracking.ball.disc_search import DiscSearchParameters
-from matchset.tracking.ball.distractors import OthersParameters
 from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
@@ -35,12 +34,17 @@ class ConfidenceParameters(msgspec.Struct, frozen=True):
     noise : float
         Pixel noise, gray levels, from which on a shape that is seen faintly must be a detection: less loses shapes
         before coarse textures, more finds shapes in noise. Chosen by hand between uniform noise (74) and links (10).
+    near, near_innovations : float
+        How far an ambiguous fit of a ball may be from where it was expected without evidence, half-widths plus
+        innovations.
     """
 
     faint_score: float = 0.4
     clear_score: float = 0.5
     faint_frames: int = 5
     noise: float = 40.0
+    near: float = 0.5
+    near_innovations: float = 2.0
 
 
 class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True):
@@ -66,20 +70,16 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How the whole frame is searched.
     detection : DetectionParameters
         How the candidates of a search are fitted.
-    disc_search : DiscSearchParameters
-        Where the network is asked for a lost shape.
+    ball : BallSearchParameters
+        How a ball is found that is not where its outline was expected.
     adaptation : AdaptationParameters
         How the color follows the light.
     relighting : RelightingParameters
         When the light of the whole picture has changed at once.
     brightness : BrightnessParameters
         How a level between dark and light is found and used, for what has no color.
-    others : OthersParameters
-        How what looks like the target is told from it once that is hidden.
     too_near : TooNearParameters
         When a lost shape fills the picture.
-    remembered : int
-        Frames after which the color of a ball's middle and its size are remembered anew while it is seen.
     coast : float
         How long a shape that is not seen is expected near its prediction, s; after that it may appear anywhere.
         Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
@@ -93,13 +93,11 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
-    disc_search: DiscSearchParameters = DiscSearchParameters()
+    ball: BallSearchParameters = BallSearchParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     relighting: RelightingParameters = RelightingParameters()
     brightness: BrightnessParameters = BrightnessParameters()
-    others: OthersParameters = OthersParameters()
     too_near: TooNearParameters = TooNearParameters()
-    remembered: int = 30
     coast: float = 0.35
 
 

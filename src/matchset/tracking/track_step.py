@@ -151,6 +151,8 @@ class TrackStep(Copied, Generic[S]):
         In a wider window, if that was rejected; other hypotheses, if it is ambiguous; and with the evidence of a
         detection, if it is far from where it was expected.
         """
+        if self.outlines.judges(color):
+            return self._reacquire_ball(image, color, estimate, when[:2])
         limits, motion, (time, interval, index) = self.parameters, self.fitter.work.motion, when
         predicted = motion.predicted[: len(estimate.state)].copy()
         missed, speed = self.missed(time, interval), interval * float(motion.speed)
@@ -167,14 +169,42 @@ class TrackStep(Copied, Generic[S]):
             if stretched is not None:
                 estimate = stretched
             else:
-                chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
-                if chosen is None and not self.outlines.judges(color):
-                    chosen = self._test_hypotheses(image, color, estimate, speed)
+                chosen = self._test_hypotheses(image, color, estimate, speed)
                 estimate = chosen or self._unless_faint(estimate, image, color)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)
         return estimate._replace(rejection=rejection)
+
+    def _reacquire_ball(
+        self, image: Image, color: ColorModel, estimate: Estimate, when: tuple[float, float]
+    ) -> Estimate:
+        """Decide about an ambiguous fit of a ball that the network of discs judges.
+
+        Larger modes are tried first, then the network's disc as the prior of the fit. A fit that stays needs color at
+        its rim or the evidence of a detection, and evidence at all if it is far from where it was expected.
+        """
+        if estimate.rejection != Rejection.AMBIGUOUS:
+            return estimate
+        motion, limits, fitter = self.fitter.work.motion, self.parameters.confidence, self.fitter
+        estimate = estimate._replace(rejection=Rejection.NONE)
+        predicted, innovation = motion.predicted[:2].tolist(), float(motion.innovation)
+        speed = when[1] * float(motion.speed)
+        if speed > self.parameters.ball.streak * estimate.fit.half_width:
+            return estimate._replace(rejection=Rejection.LOW_COLOR_SCORE)
+        chosen = self._with_modes(image, color, estimate, speed)
+        chosen = chosen or self.outlines.choose(image, color, estimate, when, speed)
+        if chosen is not None:
+            return chosen
+        weighed = fitter.weigh(estimate, image, color)
+        rejection = fitter.validate_detection(weighed, Prior.HERE)
+        if weighed.fit.color_score < limits.faint_score and rejection:
+            return estimate._replace(rejection=rejection)
+        away = math.dist(estimate.state[:2].tolist(), predicted)
+        near = limits.near * estimate.fit.half_width + limits.near_innovations * innovation
+        if away > near and (weighed.evidence or 0.0) < 0.0:
+            return estimate._replace(rejection=Rejection.UNREACHABLE)
+        return estimate
 
     def _unless_faint(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
         """Demand of a fit that is seen faintly, where the network sees no ball, what a detection needs."""

@@ -16,7 +16,7 @@ from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
-from matchset.tracking.ball.lost_ball import LostBall
+from matchset.tracking.ball.estimator import BallEstimator
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, track_of
 from matchset.tracking.detectors import Detectors
@@ -92,7 +92,7 @@ class Tracker(Copied, Generic[S]):
         self.step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
         self._detectors = Detectors(self._fitter, self.parameters)
-        self._ball = LostBall(self.step, self.parameters, self._detectors)
+        self._ball = BallEstimator(self.step, self.parameters, self._detectors)
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
@@ -204,6 +204,8 @@ class Tracker(Copied, Generic[S]):
         rejected = self._tracked(image)
         if rejected is not None and self._relight(image):
             rejected = self._tracked(image)
+        if rejected is None and self._ball.is_look_alike(image, self.color, self._fitter.state, self._time):
+            rejected = NOT_FOUND
         if rejected is not None:
             reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
             if (lost := self._detect(image, reason)) is not None:
@@ -216,19 +218,17 @@ class Tracker(Copied, Generic[S]):
         self._last = track.shape
         if self.step.without_outline:
             return track
-        if rejected is not None or self._frames % self.parameters.remembered == 1 or not self._ball.seen:
-            self._ball.remember(image, gate_of(self._family, track.shape.state))
+        if self._ball.is_due(self._time):
+            score = self._fitter.statistics.msac_score
+            self._ball.note(image, gate_of(self._family, track.shape.state)[:3], self._time, score)
             self._adapting.keep(image, self.color)
-        elif self._frames % self.parameters.others.period == 0:
-            self._ball.notice_others(image, self.color, gate_of(self._family, track.shape.state), self._time)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
 
     def _tracked(self, image: Image) -> Estimate | None:
         """Track the shape into a picture; the estimate that was rejected, None if one was accepted."""
-        if self.mode is Mode.SEARCHING:
-            return NOT_FOUND
-        return self.step.track(image, self.color, self._time, self._interval, self._frames)
+        when = self._time, self._interval, self._frames
+        return NOT_FOUND if self.mode is Mode.SEARCHING else self.step.track(image, self.color, *when)
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
@@ -266,30 +266,29 @@ class Tracker(Copied, Generic[S]):
 
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
-        predicted, judged = self._coast(), self._ball.knows() and self.step.outlines.judges(self.color)
-        if not judged or (predicted is None and self._frames % 2 == 1):  # of a lost ball, by turns with its own search
+        predicted = self._coast()
+        judged = self.step.outlines.judges(self.color)
+        if judged and self._by_network(image, predicted):
+            return None
+        if not (judged and self._ball.knows()):
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
-            best = best if not judged or self._ball.confirms(image, self.color, best) else None
             rejection = "" if best is None else self._confirm(image, best, predicted)
-            if rejection is None:
+            if rejection is None or (not judged and self._by_network(image, predicted)):
                 return None
             reason = rejection or reason
-        if self._found_ball(image, predicted):
-            return None
         near = self._last is not None and fills_picture(image, self.color, self._last, self.parameters.too_near)
         return Lost(TOO_NEAR if near else reason, self._time, self._shape_of(predicted))
 
-    def _found_ball(self, image: Image, predicted: Floats | None) -> bool:
-        """Find a ball with the network: the lost one, or in the first picture that which was clicked."""
-        if self._last is not None:
+    def _by_network(self, image: Image, predicted: Floats | None) -> bool:
+        """Find a ball that was seen before, or begin with the one that was clicked; whether the network sees it."""
+        if self._last is not None and self._ball.knows():
+            last, when = gate_of(self._family, self._last.state), (self._time, self._interval)
             expected = None if predicted is None else gate_of(self._family, predicted)
-            where = gate_of(self._family, self._last.state), expected
-            return self._ball.knows() and self._ball.find(image, self.color, *where, self._time, self._interval)
+            return self._ball.find(image, self.color, last, expected, when)
         clicked = self._clicked() if self._frames == 1 else None
-        if clicked is None or not self._ball.begin(image, self.color, clicked, self._time):
-            return False
-        self._hint = None
-        return True
+        if begun := clicked is not None and self._ball.begin(image, self.color, clicked, self._time):
+            self._hint = None
+        return begun
 
     def _coast(self) -> Floats | None:
         """State expected while the shape is not seen; None once that has lasted too long."""
@@ -313,7 +312,7 @@ class Tracker(Copied, Generic[S]):
             elif self._hint is not None:
                 if math.dist(estimate.state[:2].tolist(), self._hint) < self._family.half_width(estimate.state):
                     merit += self.parameters.detection.hint_bonus
-                elif self._fitter.validate_detection(estimate, self._ball.elsewhere(self.color, self._frames == 1)):
+                elif self._fitter.validate_detection(estimate, self._elsewhere(self._frames == 1)):
                     continue
             elif not self._is_expected(estimate):
                 continue
@@ -339,8 +338,6 @@ class Tracker(Copied, Generic[S]):
     def _is_expected(self, estimate: Estimate) -> bool:
         """Whether a detection can be the target: about where it was seen last, or else with full evidence."""
         limits, last, there = self.parameters.reach, self._last, gate_of(self._family, estimate.state)
-        if self._ball.is_other(there, self._time):
-            return False
         if last is not None and estimate.evidence is not None:
             here = gate_of(self._family, last.state)
             ratio = max(here.half_width, there.half_width) / min(here.half_width, there.half_width)
@@ -356,7 +353,7 @@ class Tracker(Copied, Generic[S]):
         here, there = gate_of(self._family, predicted), gate_of(self._family, estimate.state)
         if here.near(there, limits):
             return True
-        prior = self._ball.elsewhere(self.color, here.alone(there, limits))
+        prior = self._elsewhere(here.alone(there, limits))
         valid = not self._fitter.validate_detection(estimate, prior)
         return valid and here.reachable(there, self.step.missed(self._time, self._interval), limits)
 
@@ -372,7 +369,6 @@ class Tracker(Copied, Generic[S]):
         rejection = fitter.validate_detection(estimate, self._prior(predicted))
         if rejection or not family.half_width(estimate.state) > 0.0:  # the second fit ran away
             return fitter.validator.describe(rejection, estimate.fit)
-        estimate = self.step.outlines.of_detection(image, self.color, estimate, self._prior(predicted), predicted)
         if predicted is None:
             sigma = self.parameters.initialization.detected_share * float(family.half_width(state))
             initialize(fitter.work, estimate.state, self._time, sigma)
@@ -389,8 +385,12 @@ class Tracker(Copied, Generic[S]):
             return Prior.HERE
         weighs = self._fitter.weighs(self.color)
         if self._hint is None:
-            return self._ball.elsewhere(self.color, not weighs or self._last is None)
+            return self._elsewhere(not weighs or self._last is None)
         return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
+
+    def _elsewhere(self, unknown: bool) -> Prior:
+        """Say what is known of a shape elsewhere: a color learned against what is next to it may be anywhere."""
+        return Prior.NONE if unknown or (self.color.is_local and self._last is None) else Prior.PRESENT
 
     def _shape_of(self, state: Floats | None) -> S | None:
         """Shape of an extrapolated state, None where there is none or it has shrunk to nothing."""

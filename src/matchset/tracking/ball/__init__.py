@@ -1,5 +1,6 @@
 """What only balls have: the network of discs as the judge of what is the ball, and where it is asked.
 
-`judge` asks it and adds what is known; `disc_search` says where something stands out; `lost_ball` finds a ball that was
-lost, and `distractors` remembers what is not the ball. `disc_detector` is for one picture that somebody asks for.
+`judge` asks it. `estimator` finds a ball that is not where its outline was expected, by what it believes of it
+(`belief`): `changes` and `color_places` say where it may be, `log_odds` which disc it is, and `parameters` how all of
+them are set. `disc_detector` takes the same steps in one picture that somebody asks for.
 """

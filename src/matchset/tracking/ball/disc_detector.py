@@ -1,12 +1,14 @@
-"""A ball anywhere in a picture that somebody asks for, by the network of discs: `DiscDetector`.
+"""Balls anywhere in a picture that somebody asks for, by the network of discs: `DiscDetector`.
 
-Votes for circles need an outline of the target's color; a ball that is small, blurred or partly of another color has
-none, but the network sees it. So discs that stand out (`disc_search`) are looked at, of some sizes about that at the
-click, and for each the log-odds that it is the ball are a sum: those of the network, less what the chroma of its middle
-takes, and half of the evidence for an outline of the target's color there, since both see the same pixels.
+The same steps as for a lost ball, with a flat belief of place and size. Places are where its color stands out, in discs
+of all sizes, and those that somebody else proposes. The network is led from all of them in one call. Of each disc the
+log-odds that it is the ball are one weighted sum of what the network says, of its hue and size beside those at the
+click, and of the evidence for an outline of the target's color there. The weights are fitted together, since all see
+the same pixels.
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -16,66 +18,108 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Fitter
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
+from matchset.image.disc_network.lab import lab_of
+from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc
-from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
+from matchset.image.disc_network.patch_format import Circle3
+from matchset.tracking.ball.color_places import ColorPlaceParameters, places_of_color
+from matchset.tracking.ball.discs import are_same, middle_pixels
 from matchset.tracking.ball.judge import DISC, Judge, NetworkParameters, covariance_of, squared_distances
-from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 
-class DiscDetectorParameters(msgspec.Struct, frozen=True):
-    """Which discs of a picture are looked at, and when one is the ball.
+class DetectionWeights(msgspec.Struct, frozen=True):
+    """Weights of what speaks for a disc in one picture, and their sum where nothing does.
 
-    Chosen on nine real clips and on the colors of each in the others (docs/log/network.md#lost-balls);
-    `python -m benchmarks --only real` would show a change.
+    Fitted by logistic regression on 4,256 discs in 103 stills of 37 folders and nine clips, each with its own and with
+    foreign colors (docs/log/tracking.md#one-belief).
 
     Parameters
     ----------
-    sizes : tuple of float
-        Radii that are looked for, as shares of that at the click.
-    least_px : float
-        Least radius of those, px.
-    growth : float
-        Largest factor between the radius at the click and that of the ball.
-    known : float
-        Log-odds of a disc from which nothing else is looked for within it.
+    bias : float
+    network : float
+        Of its log-odds of a ball.
+    hue : float
+        Of the difference of hue from that at the click, rad, as far as that has a hue.
+    evidence : float
+        Of the evidence for an outline.
+    size : float
+        Of the difference of ln(radius) from that at the click.
+    """
+
+    bias: float = -4.94
+    network: float = 1.39
+    hue: float = -3.39
+    evidence: float = 0.35
+    size: float = -1.07
+
+
+class DiscDetectorParameters(msgspec.Struct, frozen=True):
+    """Which discs of a picture are looked at, and when one is the ball.
+
+    Parameters
+    ----------
+    weights : DetectionWeights
+    asked : float
+        Least log-odds: less finds more balls, and more other things.
+    least_px, most_share, factor : float
+        Radii that are looked for: the least, px, the largest, as a share of the picture's shorter side, and the factor
+        from one to the next.
+    small_px : float
+        Radius below which a disc is small ...
+    small : int
+        ... and how many places are proposed of each such radius: a picture shows many small things.
+    same : float
+        Share of the radius by which circles may differ that lead to the same disc.
+    apart : float
+        Distance of two discs, in the larger's radii, below which the likelier counts.
     compared : int
         How many of the likeliest discs are fitted for their evidence.
     reach, least_reach_px : float
         Range of edge points around a disc, radii and px.
-    evidence : float
-        Share of the evidence that counts beside the network's log-odds.
     least_evidence, most_evidence : float
-        Bounds between which it counts.
-    asked : float
-        Least sum: less finds more balls, and more other things.
-    same : float
+        Bounds between which evidence counts.
+    most_hue : float
+        Difference of hue that counts at most, rad.
+    full_chroma : float
+        Chroma at the click from which it has a hue, units of CIE Lab.
+    middle : float
+        Share of the radius within which the color is taken.
+    agrees : float
         Squared distance of the fit from the disc, in standard deviations of that, below which the fit stays: where both
         agree, edge points are more exact.
     network : NetworkParameters
-    search : DiscSearchParameters
+    places : ColorPlaceParameters
     """
 
-    sizes: tuple[float, ...] = (1.0, 0.7, 1.4, 0.5, 2.0)
-    least_px: float = 3.5
-    growth: float = 2.5
-    known: float = 4.0
-    compared: int = 3
+    weights: DetectionWeights = DetectionWeights()
+    asked: float = -0.15
+    least_px: float = 2.8
+    most_share: float = 0.45
+    factor: float = 1.4
+    small_px: float = 10.0
+    small: int = 20
+    same: float = 0.3
+    apart: float = 0.5
+    compared: int = 12
     reach: float = 0.1
     least_reach_px: float = 2.0
-    evidence: float = 0.5
     least_evidence: float = -6.0
     most_evidence: float = 4.0
-    asked: float = 3.0
-    same: float = 6.0
-    network: NetworkParameters = NetworkParameters(looks=400)
-    search: DiscSearchParameters = DiscSearchParameters(cells=1_000_000, most=5)
+    most_hue: float = 1.5
+    full_chroma: float = 30.0
+    middle: float = 0.7
+    agrees: float = 6.0
+    network: NetworkParameters = NetworkParameters(looks=600, moved=100.0)
+    places: ColorPlaceParameters = ColorPlaceParameters(
+        lightness=30.0, chroma=15.0, most=5, least=0.05, larger=1.2, cells=10_000_000
+    )
 
 
 class DiscDetector:
-    """Finds the ball that was clicked in a picture.
+    """Finds balls of a color that was clicked in a picture.
 
     Parameters
     ----------
@@ -89,58 +133,91 @@ class DiscDetector:
     def __init__(self, fitter: Fitter[Any], color: ColorModel, limits: DiscDetectorParameters) -> None:
         self._fitter, self._model, self._limits = fitter, color, limits
         self._network = Judge(limits.network)
-        self._search = DiscSearch(limits.search)
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius
-        self._color = None if sample is None else self._network.median_color(sample.image, sample.circle)
+        self._lab = None if sample is None else self._median(sample.image, sample.circle)
         self._network.know(sample)
 
-    def find(self, image: Image) -> Floats | None:
-        """Find the ball, and leave the workspace as its fit made it, or with the network's disc.
+    def find(self, image: Image, proposed: Sequence[Circle3] = ()) -> Iterator[tuple[float, Floats]]:
+        """Yield the balls of a picture, the likeliest first; meanwhile the workspace holds the fit or the disc of each.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
+        proposed : sequence of (x, y, radius)
+            Circles from which the network is led beside those of color, px.
 
-        Returns
-        -------
-        ndarray of shape (3, 3) or None
-            Covariance beside that of the workspace, px^2; None if no disc is the ball.
+        Yields
+        ------
+        float
+            Log-odds that it is the ball.
+        ndarray of shape (3, 3)
+            Covariance beside that of the workspace, px^2.
         """
-        likely = sorted(self._likely(image), key=lambda each: -each[0])[: self._limits.compared]
-        best, most, block = None, self._limits.asked, self._fitter.block
-        for odds, disc in likely:
-            total = odds + self._limits.evidence * self._evidence(image, disc)
-            if total > most:
-                best, most, block = disc, total, self._fitter.block.copy()
-        if best is None:
-            return None
-        self._fitter.block[:] = block
-        if squared_distances(best, self._fitter.state[:DISC]) < self._limits.same:
-            return np.zeros((DISC, DISC))
-        self._fitter.state[:DISC] = best.circle
-        self._fitter.work.covariance[:] = 0.0
-        return covariance_of(best)
-
-    def _likely(self, image: Image) -> list[tuple[float, Disc]]:
-        """Discs that the network sees with the color and about the size at the click, with their log-odds."""
-        limits, found = self._limits, list[tuple[float, Disc]]()
-        if self._color is None:
-            return found
-        height, width = image.shape[:2]
-        everywhere = Gate(0.5 * width, 0.5 * height, self._radius)
-        for size in limits.sizes:
-            if size * self._radius < limits.least_px:
+        if self._lab is None:
+            return
+        discs = self._network.discs(image, [*map(np.array, self._starts(image, proposed))], searched=True)
+        found = list[tuple[float, Disc, Floats]]()
+        for disc in self._apart(discs)[: self._limits.compared]:
+            evidence = self._evidence(image, disc)
+            odds = self._log_odds(image, disc, evidence)
+            if odds is not None and odds > self._limits.asked:
+                found.append((odds, disc, self._fitter.block.copy()))
+        for odds, disc, block in sorted(found, key=lambda each: -each[0]):
+            self._fitter.block[:] = block
+            if squared_distances(disc, self._fitter.state[:DISC]) < self._limits.agrees:
+                yield odds, np.zeros((DISC, DISC))
                 continue
-            sought = everywhere._replace(half_width=size * self._radius)
-            for place in self._search.about(image, self._color, sought, float(max(height, width))):
-                if any(disc.log_odds > limits.known and _holds(disc, place) for _, disc in found):
-                    continue
-                for disc in self._network.discs(image, [np.array(place)], searched=True):
-                    odds = self._network.alike(image, disc, self._color)
-                    if odds is not None and abs(math.log(disc.circle[2] / self._radius)) < math.log(limits.growth):
-                        found.append((odds, disc))
-        return found
+            self._fitter.state[:DISC] = disc.circle
+            self._fitter.work.covariance[:] = 0.0
+            yield odds, covariance_of(disc)
+
+    def _starts(self, image: Image, proposed: Sequence[Circle3]) -> list[Circle3]:
+        """Circles from which the network is led."""
+        limits, starts = self._limits, [*proposed]
+        height, width = image.shape[:2]
+        assert self._lab is not None
+        radius = limits.least_px
+        while radius < limits.most_share * min(height, width):
+            small = radius < limits.small_px
+            places = msgspec.structs.replace(limits.places, most=limits.small) if small else limits.places
+            everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
+            for place in places_of_color(image, (self._lab, self._model), everywhere, 0, [], places):
+                if not any(are_same(place, each, limits.same) for each in starts):
+                    starts.append(place)
+            radius *= limits.factor
+        return starts
+
+    def _apart(self, discs: Sequence[Disc]) -> list[Disc]:
+        """Discs apart from all that are likelier to be a ball, the likeliest first; each is the mean of its like."""
+        kept = list[Disc]()
+        odds = np.array([disc.log_odds for disc in discs])
+        for disc in sorted(discs, key=lambda each: -each.log_odds):
+            reach = [self._limits.apart * max(disc.circle[2], each.circle[2]) for each in kept]
+            away = [math.dist(disc.circle[:2], each.circle[:2]) for each in kept]
+            if all(far >= near for far, near in zip(away, reach, strict=True)):
+                like = np.where(odds <= disc.log_odds, odds, -math.inf)
+                kept.append(mean_disc(discs, like, self._limits.network.same))
+        return kept
+
+    def _median(self, image: Image, circle: Circle3) -> Floats | None:
+        """Median color of the middle of a disc, CIE Lab; None outside of the picture."""
+        pixels = middle_pixels(image, circle, self._limits.middle)
+        if not len(pixels):
+            return None
+        return np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0).astype(np.float64)
+
+    def _log_odds(self, image: Image, disc: Disc, evidence: float) -> float | None:
+        """Log-odds that a disc is the ball."""
+        limits, weights, lab = self._limits, self._limits.weights, self._median(image, disc.circle)
+        if lab is None or self._lab is None:
+            return None
+        turned = math.atan2(lab[2], lab[1]) - math.atan2(self._lab[2], self._lab[1])
+        hue = min(abs(math.remainder(turned, math.tau)), limits.most_hue)
+        hue *= min(math.hypot(self._lab[1], self._lab[2]) / limits.full_chroma, 1.0)
+        size = abs(math.log(disc.circle[2] / self._radius))
+        odds = weights.bias + weights.network * disc.log_odds + weights.hue * hue
+        return odds + weights.evidence * evidence + weights.size * size
 
     def _evidence(self, image: Image, disc: Disc) -> float:
         """Evidence for an outline of the target's color at a disc, within its bounds; the workspace holds the fit."""
@@ -151,8 +228,3 @@ class DiscDetector:
         estimate = fitter.weigh(fitter.fit(image, self._model, state, SearchWindow(reach)), image, self._model)
         evidence = estimate.evidence if estimate.is_fitted else None
         return min(max(evidence or limits.least_evidence, limits.least_evidence), limits.most_evidence)
-
-
-def _holds(disc: Disc, place: Gate) -> bool:
-    """Whether a place is within a disc."""
-    return math.dist(disc.circle[:2], place[:2]) < disc.circle[2]

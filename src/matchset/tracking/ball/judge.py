@@ -12,17 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.circle_score import Sample
-from matchset.image.click_region import disc_mask
 from matchset.image.color import ColorModel
-from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.patch_format import Circle3, Colors
 from matchset.image.disc_network.polar_patch import colors_of
+from matchset.tracking.ball.discs import middle_pixels
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
-Mask = npt.NDArray[np.bool_]
 
 DISC = 3  # format: parameters of a disc
 
@@ -52,39 +50,16 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds of a ball from which a detection is compared with it.
     clear : float
         Log-odds from which it is taken where a fit differs from it.
-    alone : float
-        Log-odds from which it is taken where the fit was rejected: more loses blurred balls, less follows other things.
-    differs, differs_much : float
-        Squared distance, in its standard deviations, from which a fit that was confirmed and a detection differ from
-        it: edge points are more exact where both agree. The first is the 99 % quantile of chi-square with three degrees
-        of freedom. A region that differs by it, in the standard deviations of both, is of something else.
+    differs : float
+        Squared distance, in its standard deviations, from which a fit that was confirmed differs from it: edge points
+        are more exact where both agree. It is the 99 % quantile of chi-square with three degrees of freedom. A region
+        that differs by it, in the standard deviations of both, is of something else.
     sharp : float
         MSAC score of a confirmed fit from which it is not compared: of 6 clicks on real clips with more than 0.75, edge
         points were right in 4 and the network in 4, and in rendered sequences edge points were, from 0.68 on, with a
         tenth of the error.
-    far : float
-        How far from the prediction it may be where the fit was rejected, radii.
     middle, color_share : float
         Share of the pixels within so many radii that must have the target's color.
-    lost : float
-        Log-odds from which a disc is the lost target, all that is known of its place and color added ...
-    forgotten, anywhere : float
-        ... of its place: in how many frames as much is forgotten as by half a width of way, and what is taken at most,
-        of a disc that is far off ...
-    growth, grown : float
-        ... if its size differs from the last one by no more than this factor in the next frame, and by its square as
-        many frames later, ...
-    returned : float
-        ... but never by more than this one, however long it was not seen: more finds a ball that comes back nearer or
-        farther away, and takes small things of its color for a ball that is gone, ...
-    lightness, chroma : float
-        ... and the median color of its middle by no more than this, units of CIE Lab.
-    renewed : float
-        Log-odds of a lost target from which its color is remembered anew, and its region need not be a disc's.
-    clicked : float
-        Log-odds of a disc that was clicked from which its region need not be a disc's.
-    chroma_sigma : float
-        Standard deviation of that in chroma, where a target is looked for in a picture, units of CIE Lab.
     size_sigma : float
         Standard deviation of ln(half-width) beside the size remembered, a frame later; it grows with the root of the
         frames. Less holds on to wrong sizes, more takes streaks for larger balls.
@@ -94,7 +69,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     """
 
     used: bool = True
-    looks: int = 12
+    looks: int = 6
     follow: NetworkFollowParameters = NetworkFollowParameters(rounds=5, still=0.3)
     search: NetworkFollowParameters = NetworkFollowParameters(rounds=5, still=0.3, hopeless=-2.0)
     moved: float = 1.0
@@ -102,25 +77,11 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     same: float = 0.5
     sure: float = 1.0
     clear: float = 2.0
-    alone: float = 5.0
     differs: float = 11.3
-    differs_much: float = 30.0
     sharp: float = 0.68
-    far: float = 1.0
     middle: float = 0.7
     color_share: float = 0.3
-    lost: float = 1.2
-    forgotten: float = 4.0
-    anywhere: float = 2.5
-    growth: float = 1.6
-    grown: float = 10.0
-    returned: float = 3.0
-    lightness: float = 30.0
-    chroma: float = 12.0
-    renewed: float = 4.5
-    clicked: float = 3.0
-    chroma_sigma: float = 6.0
-    size_sigma: float = 0.07
+    size_sigma: float = 0.12
     range_share: float = 0.03
     min_range_px: float = 1.5
     sigma_share: float = 0.4
@@ -205,8 +166,21 @@ class Judge:
         discs, taken = DiscNetwork.packaged().lead(image, new, follow, self._colors(), self.left)
         self.left -= taken
         self._led |= dict(zip(new, discs, strict=True))
+        return self._found(image, begin)
+
+    def seen(self, image: Image) -> list[Disc]:
+        """Discs to which the network was led in this picture so far.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        """
+        return self._found(image, list(self._led))
+
+    def _found(self, image: Image, starts: Sequence[Circle3]) -> list[Disc]:
+        """Discs to which some starts led, in the picture and near to where they began."""
         (height, width), found = image.shape[:2], []
-        for start in begin:
+        for start in starts:
             disc = self._led[start]
             if disc is None or np.abs(np.subtract(disc.circle, start)).sum() >= self.limits.moved * start[2]:
                 continue
@@ -257,43 +231,10 @@ class Judge:
 
     def has_color(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
         """Whether enough of the middle of a disc has the target's color."""
-        part, inside = middle_of(image, circle, self.limits.middle)
-        if not inside.any():
+        pixels = middle_pixels(image, circle, self.limits.middle)
+        if not len(pixels):
             return False
-        return bool((color.scores(part).reshape(inside.shape)[inside] > 0).mean() > self.limits.color_share)
-
-    def median_color(self, image: Image, circle: Circle3) -> Floats | None:
-        """Median color of the middle of a disc, CIE Lab; None outside of the picture and unused."""
-        if not self.limits.used:
-            return None
-        part, inside = middle_of(image, circle, self.limits.middle)
-        if not inside.any():
-            return None
-        return np.asarray(np.median(lab_of(part)[inside], axis=0), np.float64)
-
-    def alike(self, image: Image, disc: Disc, own: Floats, color: ColorModel | None = None) -> float | None:
-        """Log-odds that a disc is a ball with a median color; None where it has another one.
-
-        Of the network's log-odds the chroma takes some, as a normal distribution does. In another light the median
-        color may be far off; then the color model decides, which knows that hue tells more than lightness.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        disc : Disc
-        own : ndarray of shape (3,), float64
-            Median color of the ball's middle, CIE Lab.
-        color : ColorModel, optional
-        """
-        seen, limits = self.median_color(image, disc.circle), self.limits
-        if seen is None:
-            return None
-        light, chroma = abs(float(seen[0] - own[0])), math.hypot(*(seen - own)[1:].tolist())
-        if (light > limits.lightness or chroma > limits.chroma) and (
-            color is None or not self.has_color(image, color, disc.circle)
-        ):
-            return None
-        return disc.log_odds - 0.5 * (min(chroma, limits.chroma) / limits.chroma_sigma) ** 2
+        return bool((color.scores(pixels[:, np.newaxis, :]) > 0).mean() > self.limits.color_share)
 
 
 def likeliest(discs: Sequence[Disc], least: float, same: float) -> Disc | None:
@@ -315,16 +256,6 @@ def squared_distances(disc: Disc, states: Floats) -> Floats:
     """Squared distance of states from a disc, in its standard deviations (Mahalanobis); of shape (...,)."""
     apart = states - disc.circle
     return np.asarray(np.einsum("...i,ij,...j->...", apart, disc.precision, apart))
-
-
-def middle_of(image: Image, circle: Circle3, share: float) -> tuple[Image, Mask]:
-    """Part of a picture around the middle of a disc, and which of its pixels are in that."""
-    (x, y, radius), (height, width) = circle, image.shape[:2]
-    reach = share * radius
-    left, top = max(round(x - reach), 0), max(round(y - reach), 0)
-    rows, columns = range(top, min(round(y + reach) + 1, height)), range(left, min(round(x + reach) + 1, width))
-    part = np.ascontiguousarray(image[top : max(rows.stop, top), left : max(columns.stop, left)])
-    return part, disc_mask(part.shape[:2], (x - left, y - top, radius), share)
 
 
 def covariance_of(disc: Disc) -> Floats:

@@ -2,8 +2,7 @@
 
 Where a fit is ambiguous the network of discs is asked: where it sees a ball, its disc is the prior of the fit to the
 edge points, weighed with the region if the rim is a ramp. Otherwise the outlines that edge points ask for, the region
-of a blurred target and what the network sees are weighed together, and against the frames before. Of a detection,
-which has no frames before, the region and the network are asked.
+of a blurred target and what the network sees are weighed together, and against the frames before.
 """
 
 import math
@@ -81,7 +80,7 @@ class OutlineChoice:
         predicted = fitter.work.motion.predicted[:p].copy()
         discs = self.network.discs(image, (predicted,))
         unclear = likeliest(discs, self.network.limits.clear, self.network.limits.same) is None
-        if unclear and not estimate.rejection:
+        if unclear:
             discs += self.network.discs(image, (estimate.state[:p],))
         return self._near_disc(image, color, estimate, discs, (usual_size(fitter.work, frame), speed))
 
@@ -93,33 +92,25 @@ class OutlineChoice:
         discs: Sequence[Disc],
         known: tuple[tuple[float, float] | None, float],
     ) -> Estimate | None:
-        """Fit with the network's disc as the prior; None, and the workspace as it was, where that sees no ball.
-
-        A fit that was rejected needs evidence of the outline.
-        """
-        fitter, limits, (size, speed) = self._fitter, self.network.limits, known
+        """Fit with the network's disc as the prior; None, and the workspace as it was, where that sees no ball."""
+        limits = self.network.limits
+        size, speed = known
         disc = likeliest(discs, limits.clear, limits.same)
-        sharp = not estimate.rejection and estimate.fit.msac_score >= limits.sharp
+        sharp = estimate.fit.msac_score >= limits.sharp
         if disc is None or sharp or not self.network.has_color(image, color, disc.circle):
             return None
         if speed > self._parameters.soft_region.least_way * disc.circle[2]:
             disc = self._with_region(image, disc, estimate.state)
         apart, midway = self._field_offset(speed)
-        if not estimate.rejection and self._is_apart(disc, apart):
+        if self._is_apart(disc, apart):
             disc = of_both_fields(disc, estimate.state, apart, midway)
             if squared_distances(disc, estimate.state[:DISC]) < limits.differs:
                 return None
         if size is not None:
             disc = self.network.of_size(disc, size)
-        made, predicted = fitter.block.copy(), fitter.work.motion.predicted[:DISC].copy()
         fitted = self._fit_following(image, color, estimate.state, speed, disc)
-        taken = self._taken(image, color, fitted, [disc], predicted)
-        if taken is not None:
-            return taken
-        unseen = estimate.rejection and fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
-        if fitted.rejection or unseen:
-            fitter.block[:] = made
-            return None
+        if fitted.rejection or self._differs(disc, fitted):
+            return self._take(disc, fitted)
         self.spread = covariance_of(disc)
         return fitted
 
@@ -216,21 +207,11 @@ class OutlineChoice:
         sigma[:] = of_motion
         return fitted
 
-    def _taken(
-        self, image: Image, color: ColorModel, fitted: Estimate, discs: Sequence[Disc], predicted: Floats
-    ) -> Estimate | None:
-        """Take the network's disc for a fit that differs from it or was rejected; None where the fit stays."""
+    def _differs(self, disc: Disc, fitted: Estimate) -> bool:
+        """Whether a fit differs from the network's disc, and is not so sharp that it is right."""
         limits = self.network.limits
-        disc = likeliest(discs, limits.alone if fitted.rejection else limits.clear, limits.same)
-        if disc is None:
-            return None
-        if fitted.rejection:
-            differs = math.dist(disc.circle[:2], predicted[:2].tolist()) < limits.far * disc.circle[2]
-        elif fitted.fit.msac_score >= limits.sharp:
-            return None
-        else:
-            differs = float(squared_distances(disc, fitted.state[:DISC])) > limits.differs
-        return self._take(disc, fitted) if differs and self.network.has_color(image, color, disc.circle) else None
+        apart = float(squared_distances(disc, fitted.state[:DISC]))
+        return fitted.fit.msac_score < limits.sharp and apart > limits.differs
 
     def _take(self, disc: Disc, fitted: Estimate) -> Estimate:
         """Make the last fit a disc of the network."""
@@ -239,88 +220,9 @@ class OutlineChoice:
         work.covariance[:DISC, :DISC] = covariance_of(disc)
         return fitted._replace(state=self._fitter.state.copy(), rejection=Rejection.NONE)
 
-    def _soft_region(self, image: Image, state: Floats) -> tuple[Floats, float]:
-        """State of the region of a blurred target around a fit, and what it is worth; 0 where its rim is sharp."""
-        limits, family = self._parameters.soft_region, self._fitter.family
-        region = self._region(image, state)
-        worth = region.worth(limits) if region else 0.0
-        return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
-
     def _region(self, image: Image, state: Floats) -> SoftRegion | None:
         limits, here = self._parameters.soft_region, gate_of(self._fitter.family, state)
         return find_soft_region(image, here, limits) if self.is_disc else None
-
-    def is_other_shape(self, image: Image, state: Floats) -> bool:
-        """Say whether the region at a state is another shape than a disc, where that is seen and discs are tracked.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        state : ndarray of shape (s,), float64
-        """
-        region = self._region(image, state)
-        return region is not None and region.is_other(self._parameters.soft_region)
-
-    def of_detection(
-        self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior, predicted: Floats | None
-    ) -> Estimate:
-        """Fit a detection anew from the region of a blurred target, and from what the network sees.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
-        estimate : Estimate
-            The last fit, which was confirmed.
-        prior : Prior
-            What was known of it beforehand.
-        predicted : ndarray of shape (s,), float64, or None
-            Where the target was expected.
-        """
-        if not self.judges(color):
-            return estimate
-        starts = [estimate.state.copy(), *([] if predicted is None else [predicted])]
-        region = self._on_soft_region(image, color, estimate, prior)
-        if region is not estimate:
-            starts = [region.state, *starts]
-        sharp = region.fit.msac_score >= self.network.limits.sharp
-        return region if sharp else self._on_network(image, color, region, prior, starts)
-
-    def _on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
-        """Fit a detection anew from its region, if that is blurred and the fit is a detection too."""
-        fitter = self._fitter
-        state, worth = self._soft_region(image, estimate.state)
-        if worth <= self._parameters.soft_region.sure * self._parameters.soft_region.worth:
-            return estimate
-        made = fitter.block.copy()
-        fitted = fitter.weigh(self._fit(image, color, state, state, speed=None), image, color)
-        if fitter.validate_detection(fitted, prior):
-            fitter.block[:] = made
-            return estimate
-        return fitted
-
-    def _on_network(
-        self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior, starts: Sequence[Floats]
-    ) -> Estimate:
-        """Fit a detection anew from the network's disc, or take that, if the detection differs much from it."""
-        fitter, limits = self._fitter, self.network.limits
-        disc = likeliest(self.network.discs(image, starts), limits.sure, limits.same)
-        if disc is None or not self.network.has_color(image, color, disc.circle):
-            return estimate
-        disc = self._with_region(image, disc, estimate.state)
-        near = math.dist(disc.circle[:2], estimate.state[:2].tolist()) < max(estimate.state[2], disc.circle[2])
-        if not near or squared_distances(disc, estimate.state[:DISC]) < limits.differs_much:
-            return estimate
-        made = fitter.block.copy()
-        begin = np.array(disc.circle)
-        fitted = fitter.weigh(self._fit(image, color, estimate.state, begin, speed=None), image, color)
-        unseen = fitter.validate_detection(fitted, prior)
-        if disc.log_odds > limits.clear and (unseen or squared_distances(disc, fitted.state[:DISC]) > limits.differs):
-            return self._take(disc, fitted)
-        if unseen:
-            fitter.block[:] = made
-            return estimate
-        return fitted
 
 
 def of_both_fields(disc: Disc, state: Floats, offset: Floats, midway: float = 0.5) -> Disc:

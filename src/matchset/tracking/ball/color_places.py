@@ -1,0 +1,165 @@
+"""Where in a picture discs of the ball's color stand out from what is around them: `places_of_color`.
+
+A window of the picture is read in cells, a few to a radius. Of each cell the mean color of a square and of the ring
+around it is taken (center-surround, Itti et al., 1998). A place is likelier the more both differ, and the less the
+square's mean differs from the ball's; or by the same difference of the color table's scores. Its maxima are where the
+network of discs is asked.
+
+A picture costs no more than so many cells: of a larger window a part is read, the next part in the next picture.
+"""
+
+import math
+from typing import Any
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import WHITE, ColorModel
+from matchset.image.disc_network.patch_format import Circle3
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+Image = npt.NDArray[np.uint8]
+
+
+class ColorPlaceParameters(msgspec.Struct, frozen=True):
+    """Which places are proposed; chosen by hand.
+
+    Parameters
+    ----------
+    radius_cells : float
+        Radius in cells: more is finer and takes longer.
+    middle, inner, outer : int
+        Sides of the square whose mean color is read, and of the ring around it, cells; odd.
+    contrast : float
+        Difference of both that is half as good as a large one, units of CIE Lab.
+    lightness, chroma : float
+        Standard deviations of a ball's color, units of CIE Lab.
+    table : float
+        What a full difference of the color table's scores is worth.
+    most : int
+        How many places are proposed.
+    least : float
+        Least merit of a place, of 1.
+    larger : float
+        The size remembered may be that of the lit part: the network is led from circles so many times as large.
+    cells : int
+        How many cells of a picture are read at most: more finds a ball sooner and takes longer.
+    """
+
+    radius_cells: float = 2.0
+    middle: int = 3
+    inner: int = 5
+    outer: int = 7
+    contrast: float = 10.0
+    lightness: float = 15.0
+    chroma: float = 10.0
+    table: float = 0.7
+    most: int = 3
+    least: float = 0.1
+    larger: float = 1.3
+    cells: int = 16_000
+
+
+LAB_SCALE = np.array((100.0 / 255.0, 1.0, 1.0), np.float32)  # format: of 8-bit Lab, whose lightness is scaled
+COLOR = 3  # format: channels of a picture with color
+
+
+def places_of_color(
+    image: Image,
+    known: tuple[Floats, ColorModel],
+    around: tuple[Circle3, float],
+    turn: int,
+    in_vain: list[tuple[float, float]],
+    limits: ColorPlaceParameters,
+) -> list[Circle3]:
+    """Find places of a ball's color in a window, the likeliest first.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, channels), uint8
+    known : (ndarray of shape (3,), float64, ColorModel)
+        Median color of the ball, CIE Lab, and what its color is.
+    around : ((x, y, radius), float)
+        Middle of the window and the radius that is looked for; and half the window's side, px.
+    turn : int
+        Says which part of a large window is read.
+    in_vain : list of (x, y)
+        Places that are left out.
+    limits : ColorPlaceParameters
+
+    Returns
+    -------
+    list of (x, y, radius)
+        Circles from which the network is led, px.
+    """
+    (x, y, radius), reach = around
+    height, width = image.shape[:2]
+    step = max(radius / limits.radius_cells, 1.0)
+    left, top = max(int(x - reach), 0), max(int(y - reach), 0)
+    right, bottom = min(int(x + reach) + 1, width), min(int(y + reach) + 1, height)
+    columns, rows = int((right - left) / step), int((bottom - top) / step)
+    if columns < 2 or rows < 2:
+        return []
+    parts = math.ceil(columns * rows / limits.cells)
+    if parts > 1:
+        part, high, overlap = turn % parts, bottom - top, limits.outer / 2.0 * step
+        bottom = int(min(top + high * (part + 1) / parts + overlap, height))
+        top = int(max(top + high * part / parts - overlap, 0))
+        rows = max(int((bottom - top) / step), 1)
+    merits = _merits(image[top:bottom, left:right], (columns, rows), known, limits)
+    across, down = (right - left) / columns, (bottom - top) / rows
+    for at_x, at_y in in_vain:
+        cv2.circle(merits, (int((at_x - left) / across), int((at_y - top) / down)), limits.middle // 2, 0.0, -1)
+    return [
+        (left + (column + 0.5) * across - 0.5, top + (row + 0.5) * down - 0.5, limits.larger * radius)
+        for column, row in _maxima(merits, limits)
+    ]
+
+
+def _merits(
+    part: Image, size: tuple[int, int], known: tuple[Floats, ColorModel], limits: ColorPlaceParameters
+) -> Singles:
+    """Merit of each cell, 0 ... 1; `size`: columns and rows."""
+    (own, color), (columns, rows) = known, size
+    twice = cv2.resize(part, (2 * columns, 2 * rows), interpolation=cv2.INTER_NEAREST)
+    mean = cv2.resize(twice, size, interpolation=cv2.INTER_AREA)
+    cells = np.asarray(mean.reshape(rows, columns, -1), np.uint8)
+    colored = cells if cells.shape[2] == COLOR else cv2.cvtColor(cells, cv2.COLOR_GRAY2BGR)
+    lab = cv2.cvtColor(colored, cv2.COLOR_BGR2Lab) - np.array((0.0, 128.0, 128.0), np.float32)
+    middle, ring = _middle_and_ring(lab, limits)
+    middle *= LAB_SCALE
+    ring *= LAB_SCALE
+    off = (middle - own.astype(np.float32)) / np.array((limits.lightness, limits.chroma, limits.chroma), np.float32)
+    away = middle - ring
+    contrast = np.sqrt(np.einsum("ijk,ijk->ij", away, away))
+    likeness = cv2.exp(-0.5 * np.einsum("ijk,ijk->ij", off, off))
+    merits = likeness * (contrast / (contrast + np.float32(limits.contrast)))
+    if not (color.is_local or color.gray) and color.channels == cells.shape[2]:
+        scores = color.scores(cells).reshape(rows, columns).astype(np.float32)
+        inside, outside = _middle_and_ring(scores, limits)
+        merits = np.maximum(merits, (inside - outside) * np.float32(limits.table / (2 * WHITE)))
+    return np.asarray(merits, np.float32)
+
+
+def _middle_and_ring(cells: Any, limits: ColorPlaceParameters) -> tuple[Any, Any]:
+    """Mean over the square and over the ring around each cell."""
+    middle, inner, outer = (
+        cv2.boxFilter(cells, cv2.CV_32F, (side, side), normalize=False, borderType=cv2.BORDER_REPLICATE)
+        for side in (limits.middle, limits.inner, limits.outer)
+    )
+    return middle / limits.middle**2, (outer - inner) / (limits.outer**2 - limits.inner**2)
+
+
+def _maxima(merits: Singles, limits: ColorPlaceParameters) -> list[tuple[int, int]]:
+    """Columns and rows of the cells of most merit, no two within a radius."""
+    found = list[tuple[int, int]]()
+    while len(found) < limits.most:
+        _, most, _, (column, row) = cv2.minMaxLoc(merits)
+        if most < limits.least:
+            break
+        found.append((column, row))
+        cv2.circle(merits, (column, row), round(limits.radius_cells), 0.0, -1)
+    return found

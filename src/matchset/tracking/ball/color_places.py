@@ -47,6 +47,11 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
         The size remembered may be that of the lit part: the network is led from circles so many times as large.
     cells : int
         How many cells of a picture are read at most: more finds a ball sooner and takes longer.
+    alike : float
+        Likeness of a cell to the ball's color, of 1, from which it is of one region with its neighbors.
+    other_size : float
+        Factor between the radius of a region and the one that is looked for from which the region is proposed, too: a
+        ball that came nearer.
     """
 
     radius_cells: float = 2.0
@@ -61,6 +66,8 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
     least: float = 0.1
     larger: float = 1.3
     cells: int = 16_000
+    alike: float = 0.5
+    other_size: float = 1.5
 
 
 LAB_SCALE = np.array((100.0 / 255.0, 1.0, 1.0), np.float32)  # format: of 8-bit Lab, whose lightness is scaled
@@ -109,20 +116,21 @@ def places_of_color(
         bottom = int(min(top + high * (part + 1) / parts + overlap, height))
         top = int(max(top + high * part / parts - overlap, 0))
         rows = max(int((bottom - top) / step), 1)
-    merits = _merits(image[top:bottom, left:right], (columns, rows), known, limits)
+    merits, likeness = _merits(image[top:bottom, left:right], (columns, rows), known, limits)
     across, down = (right - left) / columns, (bottom - top) / rows
     for at_x, at_y in in_vain:
         cv2.circle(merits, (int((at_x - left) / across), int((at_y - top) / down)), limits.middle // 2, 0.0, -1)
-    return [
-        (left + (column + 0.5) * across - 0.5, top + (row + 0.5) * down - 0.5, limits.larger * radius)
-        for column, row in _maxima(merits, limits)
-    ]
+    maxima = _maxima(merits, limits)
+    size = math.sqrt(across * down)
+    found = _regions(likeness, maxima, radius / size, limits)
+    found += [(float(column), float(row), limits.larger * radius / size) for column, row in maxima]
+    return [(left + (x + 0.5) * across - 0.5, top + (y + 0.5) * down - 0.5, cells * size) for x, y, cells in found]
 
 
 def _merits(
     part: Image, size: tuple[int, int], known: tuple[Floats, ColorModel], limits: ColorPlaceParameters
-) -> Singles:
-    """Merit of each cell, 0 ... 1; `size`: columns and rows."""
+) -> tuple[Singles, Singles]:
+    """Merit of each cell and its likeness to the ball's color, 0 ... 1; `size`: columns and rows."""
     (own, color), (columns, rows) = known, size
     twice = cv2.resize(part, (2 * columns, 2 * rows), interpolation=cv2.INTER_NEAREST)
     mean = cv2.resize(twice, size, interpolation=cv2.INTER_AREA)
@@ -141,7 +149,24 @@ def _merits(
         scores = color.scores(cells).reshape(rows, columns).astype(np.float32)
         inside, outside = _middle_and_ring(scores, limits)
         merits = np.maximum(merits, (inside - outside) * np.float32(limits.table / (2 * WHITE)))
-    return np.asarray(merits, np.float32)
+        likeness = np.maximum(likeness, inside / np.float32(WHITE))
+    return np.asarray(merits, np.float32), np.asarray(likeness, np.float32)
+
+
+def _regions(
+    likeness: Singles, maxima: list[tuple[int, int]], radius: float, limits: ColorPlaceParameters
+) -> list[tuple[float, float, float]]:
+    """Circles as large as the regions of the ball's color around maxima, where these are of another size; cells."""
+    _, labels, stats, middles = cv2.connectedComponentsWithStats(
+        (likeness > limits.alike).astype(np.uint8), connectivity=4
+    )
+    found = list[tuple[float, float, float]]()
+    for label in dict.fromkeys(int(labels[row, column]) for column, row in maxima):
+        size = math.sqrt(float(stats[label, cv2.CC_STAT_AREA]) / math.pi)
+        if label and abs(math.log(size / radius)) > math.log(limits.other_size):
+            x, y = middles[label].tolist()
+            found.append((x, y, size))
+    return found
 
 
 def _middle_and_ring(cells: Any, limits: ColorPlaceParameters) -> tuple[Any, Any]:

@@ -253,12 +253,16 @@ class BallEstimator:
             for each in search.arrived
             if any(math.dist(each[:2], disc.circle[:2]) < disc.circle[2] for disc in discs)
         }
-        fast = expected.speed > limits.streak * expected.radius and expected.missed <= limits.unseen_pictures
-        for each in search.arrived[: limits.starts] if fast else ():
+        for each in search.arrived[: limits.starts] if self._is_fast(expected) else ():
             if each not in taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
                 precision = np.eye(3) / (limits.mass_sigma * expected.radius) ** 2
                 found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
         return found
+
+    def _is_fast(self, expected: ExpectedPlace) -> bool:
+        """Whether a streak may be due, of which the network knows nothing."""
+        limits = self._parameters.ball
+        return expected.speed > limits.streak * expected.radius and expected.missed <= limits.unseen_pictures
 
     def is_look_alike(self, image: Image, color: ColorModel, state: Floats, time: float) -> bool:
         """Say whether what is followed stood there while the ball was elsewhere; as often as the color is renewed.
@@ -314,8 +318,9 @@ class BallEstimator:
         if search.changes is not None:
             far = math.dist(disc.circle[:2], expected[:2]) > disc.circle[2]
             before = share_before(search.changes, (search.color, belief.pixel), disc.circle, limits.changes, moved=far)
+        unseen = limits.unseen if arrived > 0.0 and self._is_fast(expected) else -math.inf
         return Features(
-            network=disc.log_odds,
+            network=max(disc.log_odds, unseen),
             color=max(color, limits.mixed_color) if arrived > 0.0 else color,
             foreign=float(
                 not known and not arrived > 0.0 and (chroma > limits.far_chroma or light > limits.far_lightness)

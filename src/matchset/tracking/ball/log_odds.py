@@ -94,6 +94,9 @@ class PlaceParameters(msgspec.Struct, frozen=True):
         to picture, and innovations.
     most_innovation : float
         Innovation that counts at most, radii.
+    unknown_speed : float
+        Speed of a ball that was seen once only, radii a picture: more follows faster balls from the first picture on,
+        less keeps to the one of equal ones that is nearer.
     spread : float
         Power of the missed pictures with which that scale grows.
     new, known : float
@@ -113,6 +116,7 @@ class PlaceParameters(msgspec.Struct, frozen=True):
     speeds: float = 0.5
     innovations: float = 2.0
     most_innovation: float = 2.0
+    unknown_speed: float = 4.0
     spread: float = 0.5
     new: float = 0.5
     known: float = 0.03
@@ -161,6 +165,8 @@ def log_prior_of_place(place: tuple[float, float], expected: ExpectedPlace, limi
     speed = expected.speed if expected.missed <= limits.moving else 0.0
     innovation = min(expected.innovation, limits.most_innovation * expected.radius)
     scale = limits.radii * expected.radius + limits.speeds * speed + limits.innovations * innovation
+    if expected.sightings <= 1:
+        scale += limits.unknown_speed * expected.radius
     scale *= expected.missed**limits.spread
     first = limits.known if expected.sightings >= limits.sightings else limits.new
     elsewhere = first + (1.0 - first) * (1.0 - math.exp(-(expected.missed - 1.0) / limits.forgotten))

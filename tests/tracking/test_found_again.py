@@ -97,15 +97,16 @@ def test_a_ball_beside_it_that_has_moved_is_not_taken() -> None:
     assert not any(follow([*here, *gone, *moved])[3:])
 
 
-def films(decoys: Places = (), radius: float = 16.0) -> list[Answer]:
-    """Answers for three frames of a half hidden ball, twenty without it, and three where it is far from there."""
+def films(decoys: Places = (), radius: float = 16.0, away: int = 20) -> list[Answer]:
+    """Answers for three frames of a half hidden ball, some without it, and three where it is far from there."""
     first, gone = half_hidden(FIRST, decoys=decoys), half_hidden(None, decoys=decoys)
-    return follow([*[first] * 3, *[gone] * 20, *[half_hidden(AGAIN, radius, decoys)] * 3], FIRST)
+    return follow([*[first] * 3, *[gone] * away, *[half_hidden(AGAIN, radius, decoys)] * 3], FIRST)
 
 
 def test_what_was_beside_the_ball_when_it_was_seen_is_not_taken_for_it() -> None:
     assert not any(films(decoys=((250.0, 60.0),))[3:23])
 
 
-def test_another_size_is_another_thing() -> None:
-    assert not any(films(radius=28.0)[3:])
+def test_another_size_at_once_is_another_thing() -> None:
+    """A ball that was away for longer may come back as large."""
+    assert not any(films(radius=28.0, away=2)[3:])

@@ -43,6 +43,7 @@ from matchset.tracking.ball.log_odds import (
     Features,
     log_odds,
     log_prior_of_place,
+    log_prior_of_size,
 )
 from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
 from matchset.tracking.detectors import Detectors
@@ -229,6 +230,7 @@ class BallEstimator:
             y=place.y,
             radius=radius,
             missed=self._step.missed(*when),
+            unsized=max((when[0] - belief.size[1]) / when[1], 1.0),
             speed=float(motion.speed) * when[1],
             innovation=float(motion.innovation),
             sightings=int(motion.size_count),
@@ -303,9 +305,8 @@ class BallEstimator:
         """Features of a disc; None where it is far too large or small, or of quite another color."""
         limits, expected = self._parameters.ball, search.expected
         growth = abs(math.log(disc.circle[2] / expected.radius))
-        window = math.log(limits.growth) * (1.0 + (expected.missed - 1.0) / limits.grown)
         pixels = middle_pixels(search.image, disc.circle, limits.middle)
-        if growth > min(window, math.log(limits.most_growth)) or not len(pixels):
+        if growth > math.log(limits.most_growth) or not len(pixels):
             return None
         away = np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0) - belief.lab
         light, chroma = abs(float(away[0])), math.hypot(*away[1:].tolist())
@@ -326,6 +327,7 @@ class BallEstimator:
                 not known and not arrived > 0.0 and (chroma > limits.far_chroma or light > limits.far_lightness)
             ),
             place=log_prior_of_place(disc.circle[:2], expected, limits.place),
+            size=log_prior_of_size(disc.circle[2], expected, limits.size),
             arrived=0.0 if before > limits.before else arrived,
             before=float(before > limits.before),
         )

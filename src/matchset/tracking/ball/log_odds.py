@@ -23,6 +23,8 @@ class Features(NamedTuple):
         1 where the color table knows hardly any of its middle and the median color is another one, else 0.
     place : float
         Log prior of its place, see `log_prior_of_place`.
+    size : float
+        Log prior of its size, see `log_prior_of_size`.
     arrived : float
         1 where something of the ball's color and mass has arrived, and next to nothing else has moved; down to 0.
     before : float
@@ -35,6 +37,7 @@ class Features(NamedTuple):
     color: float = 0.0
     foreign: float = 0.0
     place: float = 0.0
+    size: float = 0.0
     arrived: float = 0.0
     before: float = 0.0
     edges: float = 0.0
@@ -50,7 +53,7 @@ class FeatureWeights(msgspec.Struct, frozen=True):
     bias : float
     most_network : float
         Log-odds of the network that count at most: it says that there is a ball, not which.
-    network, color, foreign, place, arrived, before, edges : float
+    network, color, foreign, place, size, arrived, before, edges : float
     """
 
     bias: float = -1.0
@@ -59,6 +62,7 @@ class FeatureWeights(msgspec.Struct, frozen=True):
     color: float = 1.0
     foreign: float = -1.5
     place: float = 1.0
+    size: float = 1.0
     arrived: float = 4.0
     before: float = -5.0
     edges: float = 1.0
@@ -78,6 +82,7 @@ def log_odds(features: Features, weights: FeatureWeights) -> float:
         + weights.color * features.color
         + weights.foreign * features.foreign
         + weights.place * features.place
+        + weights.size * features.size
         + weights.arrived * features.arrived
         + weights.before * features.before
         + weights.edges * features.edges
@@ -135,6 +140,8 @@ class ExpectedPlace(NamedTuple):
         px.
     missed : float
         How many pictures ago it was seen last, at least 1.
+    unsized : float
+        How many pictures ago its outline was seen last, and with that its size, at least 1.
     speed, innovation : float
         Way from picture to picture, and how far it was from its prediction lately, px.
     sightings : int
@@ -145,9 +152,39 @@ class ExpectedPlace(NamedTuple):
     y: float
     radius: float
     missed: float
+    unsized: float
     speed: float
     innovation: float
     sightings: int
+
+
+class SizeParameters(msgspec.Struct, frozen=True):
+    """How large a ball may be whose outline was not seen for some pictures; chosen by hand.
+
+    Parameters
+    ----------
+    sigma : float
+        Standard deviation of ln(radius), a picture after its outline was seen; it grows with the root of the pictures.
+    sigma_px : float
+        Of the radius that the network sees, px.
+    """
+
+    sigma: float = 0.12
+    sigma_px: float = 0.5
+
+
+def log_prior_of_size(radius: float, expected: ExpectedPlace, limits: SizeParameters) -> float:
+    """Log prior of a radius, 0 where it is as it is believed; with the heavy tail of Cauchy's distribution.
+
+    Parameters
+    ----------
+    radius : float
+        px.
+    expected : ExpectedPlace
+    limits : SizeParameters
+    """
+    away = math.log(radius / expected.radius) ** 2
+    return -math.log1p(away / (limits.sigma**2 * expected.unsized + (limits.sigma_px / expected.radius) ** 2))
 
 
 def log_prior_of_place(place: tuple[float, float], expected: ExpectedPlace, limits: PlaceParameters) -> float:

@@ -4,7 +4,7 @@ import msgspec
 
 from matchset.tracking.ball.changes import ChangeParameters
 from matchset.tracking.ball.color_places import ColorPlaceParameters
-from matchset.tracking.ball.log_odds import FeatureWeights, PlaceParameters
+from matchset.tracking.ball.log_odds import FeatureWeights, PlaceParameters, SizeParameters
 
 
 class BallSearchParameters(msgspec.Struct, frozen=True):
@@ -16,6 +16,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Of what speaks for a disc.
     place : PlaceParameters
         Where it may be.
+    size : SizeParameters
+        How large it may be.
     changes : ChangeParameters
         How motion is seen.
     places : ColorPlaceParameters
@@ -34,9 +36,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Radii that are looked for by turns in the whole picture, as shares of the one that is believed.
     again : int
         For how many pictures a place at which no ball was seen is not looked at again.
-    growth, grown, most_growth : float
-        Its radius may differ by the first factor in the next picture, by its square as many pictures later, and never
-        by more than the last one.
+    most_growth : float
+        Factor by which its radius differs from the one that is believed at most.
     grows : float
         By how much ln(radius) follows an outline that was seen, at most, in each picture.
     middle : float
@@ -80,6 +81,7 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
 
     weights: FeatureWeights = FeatureWeights()
     place: PlaceParameters = PlaceParameters()
+    size: SizeParameters = SizeParameters()
     changes: ChangeParameters = ChangeParameters()
     places: ColorPlaceParameters = ColorPlaceParameters()
     moves: bool = True
@@ -89,8 +91,6 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     reach: float = 3.0
     spread: tuple[float, ...] = (1.0, 0.6, 2.5)
     again: int = 8
-    growth: float = 1.6
-    grown: float = 5.0
     most_growth: float = 3.5
     grows: float = 0.1
     middle: float = 0.7

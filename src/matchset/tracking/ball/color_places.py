@@ -49,9 +49,9 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
         How many cells of a picture are read at most: more finds a ball sooner and takes longer.
     alike : float
         Likeness of a cell to the ball's color, of 1, from which it is of one region with its neighbors.
-    other_size : float
-        Factor between the radius of a region and the one that is looked for from which the region is proposed, too: a
-        ball that came nearer.
+    other_size, most_size : float
+        Factors between the radius of a region and the one that is looked for between which the region is proposed, too:
+        a ball that came nearer.
     """
 
     radius_cells: float = 2.0
@@ -68,6 +68,7 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
     cells: int = 16_000
     alike: float = 0.5
     other_size: float = 1.5
+    most_size: float = 3.5
 
 
 LAB_SCALE = np.array((100.0 / 255.0, 1.0, 1.0), np.float32)  # format: of 8-bit Lab, whose lightness is scaled
@@ -163,7 +164,7 @@ def _regions(
     found = list[tuple[float, float, float]]()
     for label in dict.fromkeys(int(labels[row, column]) for column, row in maxima):
         size = math.sqrt(float(stats[label, cv2.CC_STAT_AREA]) / math.pi)
-        if label and abs(math.log(size / radius)) > math.log(limits.other_size):
+        if label and math.log(limits.other_size) < abs(math.log(size / radius)) < math.log(limits.most_size):
             x, y = middles[label].tolist()
             found.append((x, y, size))
     return found

@@ -17,7 +17,7 @@ from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.changes import Arrival, PictureChanges
 from matchset.tracking.ball.color_places import places_of_color
 from matchset.tracking.ball.discs import are_same
-from matchset.tracking.ball.log_odds import ExpectedPlace, log_prior_of_place
+from matchset.tracking.ball.log_odds import ExpectedPlace, log_prior_of_place, log_prior_of_size
 from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.parameters import TrackerParameters
@@ -157,5 +157,7 @@ def _carried(belief: Belief, search: BallSearch) -> list[Circle3]:
 
 
 def _merit(rank: int, circle: Circle3, expected: ExpectedPlace, limits: BallSearchParameters) -> float:
-    """Merit of a place that is looked at: its prior, less a little for each that is better."""
-    return log_prior_of_place(circle[:2], expected, limits.place) - limits.rank * rank
+    """Merit of a circle that is looked at: the prior of place and size, less a little for each that is better."""
+    other = abs(math.log(circle[2] / expected.radius)) > math.log(limits.places.other_size)
+    size = log_prior_of_size(circle[2], expected, limits.size) if other else 0.0
+    return log_prior_of_place(circle[:2], expected, limits.place) + size - limits.rank * rank

@@ -314,12 +314,13 @@ class BallEstimator:
         if not known and chroma > limits.other_chroma:
             return None
         color = -0.5 * min(chroma / limits.chroma, limits.most_chroma) ** 2
-        arrived = self._arrived(search, disc.circle)
+        fast = self._is_fast(expected) or expected.sightings <= 1
+        arrived = self._arrived(search, disc.circle) if fast or disc.log_odds > limits.seen else 0.0
         before = 0.0
         if search.changes is not None:
             far = math.dist(disc.circle[:2], expected[:2]) > disc.circle[2]
             before = share_before(search.changes, (search.color, belief.pixel), disc.circle, limits.changes, moved=far)
-        unseen = limits.unseen if arrived > 0.0 and self._is_fast(expected) else -math.inf
+        unseen = limits.unseen if arrived > 0.0 and fast else -math.inf
         return Features(
             network=max(disc.log_odds, unseen),
             color=max(color, limits.mixed_color) if arrived > 0.0 else color,

@@ -66,6 +66,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Missed pictures in which an arrival loses most of what it says: the longer, the more else arrives.
     rival : float
         How much an arrival speaks against the ball where something else of its color has left, beside 1 for it.
+    seen : float
+        Log-odds by the network from which something that has arrived may be a ball that is not fast.
     unseen, unseen_growth : float
         Log-odds by the network of what has arrived where a fast ball is due and is no disc to it, and the largest
         factor between the radius of that mass and of the ball.
@@ -108,6 +110,7 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     fits: float = 1.6
     recent: float = 15.0
     rival: float = 0.5
+    seen: float = 1.0
     unseen: float = 0.0
     unseen_growth: float = 1.5
     unseen_pictures: int = 8

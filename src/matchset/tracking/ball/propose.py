@@ -79,7 +79,7 @@ def propose(
     ranked.append((0.0 if search.is_expected else math.inf, belief.circle))
     ranked += [(math.inf, circle) for circle in _carried(belief, search)]
     for rank, arrival in enumerate(search.arrived[: limits.starts - 1]):
-        circle = arrival.x, arrival.y, expected.radius if search.is_expected else arrival.radius
+        circle = arrival.x, arrival.y, expected.radius
         told = limits.weights.arrived * told_by_arrivals(search, limits)
         ranked.append((told + _merit(rank, circle, expected, limits), circle))
     colored = _colored(belief, search, detectors, parameters)

@@ -96,3 +96,10 @@ def test_gray_pictures_have_places_by_lightness() -> None:
     level = lab_of(np.full((1, 1, 1), BLUE[2], np.uint8)).reshape(3).astype(np.float64)
     places = places_of_color(image, (level, COLOR), ((160.0, 120.0, 15.0), EVERYWHERE), 0, [], LIMITS)
     assert off(places[0], (201.0, 70.0, 15.0)) < 7.5
+
+
+def test_a_ball_that_came_nearer_is_proposed_as_large_as_it_is() -> None:
+    ball = 150.0, 110.0, 40.0
+    first = found(scene(ball), 15.0)[0]
+    assert off(first, ball) < 0.1 * ball[2]
+    assert first[2] == pytest.approx(ball[2], rel=0.25)  # the network is led on from there

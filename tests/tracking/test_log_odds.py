@@ -11,11 +11,14 @@ from matchset.tracking.ball.log_odds import (
     Features,
     FeatureWeights,
     PlaceParameters,
+    SizeParameters,
     log_odds,
     log_prior_of_place,
+    log_prior_of_size,
 )
 
 LIMITS = PlaceParameters()
+EXPECTED = ExpectedPlace(x=100.0, y=100.0, radius=10.0, missed=1.0, unsized=1.0, speed=0.0, innovation=0.0, sightings=1)
 numbers = st.floats(-10.0, 10.0)
 features = st.builds(Features, *[numbers] * len(Features._fields))
 places = st.builds(
@@ -24,6 +27,7 @@ places = st.builds(
     y=st.floats(0.0, 480.0),
     radius=st.floats(2.0, 100.0),
     missed=st.floats(1.0, 200.0),
+    unsized=st.floats(1.0, 200.0),
     speed=st.floats(0.0, 100.0),
     innovation=st.floats(0.0, 100.0),
     sightings=st.integers(1, 100),
@@ -101,3 +105,25 @@ def test_a_ball_that_is_faster_or_less_predictable_may_be_farther_off(
 def test_a_ball_whose_motion_is_known_does_not_jump(expected: ExpectedPlace, away: float) -> None:
     known, new = expected._replace(sightings=LIMITS.sightings), expected._replace(sightings=1)
     assert prior(known, away) <= prior(new, away)
+
+
+def test_the_prior_of_a_size_is_widest_where_the_outline_was_not_seen_for_long_and_has_a_heavy_tail() -> None:
+    limits = SizeParameters()
+    here = EXPECTED._replace(radius=20.0, unsized=1.0)
+    assert log_prior_of_size(20.0, here, limits) == 0.0
+    larger = [log_prior_of_size(factor * 20.0, here, limits) for factor in (1.1, 1.3, 1.6, 3.0)]
+    assert larger == sorted(larger, reverse=True)
+    smaller = [log_prior_of_size(20.0 / factor, here, limits) for factor in (1.1, 1.3, 1.6, 3.0)]
+    assert smaller == pytest.approx(larger)
+    later = here._replace(unsized=30.0)
+    assert log_prior_of_size(60.0, later, limits) > log_prior_of_size(60.0, here, limits) + 1.5
+    tiny = EXPECTED._replace(radius=2.0, unsized=1.0)
+    assert log_prior_of_size(2.6, tiny, limits) > log_prior_of_size(26.0, here, limits)
+
+
+def test_a_ball_that_was_seen_once_may_be_anywhere_near_by() -> None:
+    limits = PlaceParameters()
+    once = EXPECTED._replace(sightings=1, speed=0.0)
+    often = EXPECTED._replace(sightings=2, speed=0.0)
+    away = once.x + 8.0 * once.radius, once.y
+    assert log_prior_of_place(away, once, limits) > log_prior_of_place(away, often, limits) + 1.0

@@ -59,8 +59,6 @@ def test_a_ball_in_the_shade_is_found_within_three_pictures(color: ms.ColorModel
     assert balls
     for ball in balls:
         np.testing.assert_allclose((ball.x, ball.y), CAMERA.project(np.array([NEXT]))[0], atol=1.0)
-    if light == 0.35:
-        assert found[0] is None  # in the light in which its color was learned
 
 
 @pytest.mark.parametrize("shade", [0.0, -0.5, 1.5, math.nan])

@@ -50,8 +50,8 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
     alike : float
         Likeness of a cell to the ball's color, of 1, from which it is of one region with its neighbors.
     other_size, most_size : float
-        Factors between the radius of a region and the one that is looked for between which the region is proposed, too:
-        a ball that came nearer.
+        The region itself is proposed, too, where its radius is so many times the one that is looked for: a ball that
+        came nearer.
     """
 
     radius_cells: float = 2.0
@@ -157,14 +157,14 @@ def _merits(
 def _regions(
     likeness: Singles, maxima: list[tuple[int, int]], radius: float, limits: ColorPlaceParameters
 ) -> list[tuple[float, float, float]]:
-    """Circles as large as the regions of the ball's color around maxima, where these are of another size; cells."""
+    """Circles as large as the regions of the ball's color around maxima, where these are larger; cells."""
     _, labels, stats, middles = cv2.connectedComponentsWithStats(
         (likeness > limits.alike).astype(np.uint8), connectivity=4
     )
     found = list[tuple[float, float, float]]()
     for label in dict.fromkeys(int(labels[row, column]) for column, row in maxima):
         size = math.sqrt(float(stats[label, cv2.CC_STAT_AREA]) / math.pi)
-        if label and math.log(limits.other_size) < abs(math.log(size / radius)) < math.log(limits.most_size):
+        if label and limits.other_size < size / radius < limits.most_size:
             x, y = middles[label].tolist()
             found.append((x, y, size))
     return found

@@ -43,6 +43,8 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
         How many places are proposed.
     least : float
         Least merit of a place, of 1.
+    larger : float
+        The network is led from circles so many times as large as the radius that is looked for.
     cells : int
         How many cells of a picture are read at most: more finds a ball sooner and takes longer.
     alike : float
@@ -62,6 +64,7 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
     table: float = 0.7
     most: int = 3
     least: float = 0.1
+    larger: float = 1.0
     cells: int = 16_000
     alike: float = 0.5
     other_size: float = 1.5
@@ -121,7 +124,7 @@ def places_of_color(
     maxima = _maxima(merits, limits)
     size = math.sqrt(across * down)
     found = _regions(likeness, maxima, radius / size, limits)
-    found += [(float(column), float(row), radius / size) for column, row in maxima]
+    found += [(float(column), float(row), limits.larger * radius / size) for column, row in maxima]
     return [(left + (x + 0.5) * across - 0.5, top + (y + 0.5) * down - 0.5, cells * size) for x, y, cells in found]
 
 

@@ -23,7 +23,7 @@ from benchmarks.tracking.trial import circle
 from benchmarks.workers import one_thread
 
 SECTION, ALL = "small balls", "all"
-TUNED, REPORTED = 1000, 2000
+TUNED, REPORTED = 1000, 3000
 """Seeds of the first scenes of both groups."""
 RADII_PX = (3.0, 4.0, 6.0, 8.0)
 SPEEDS = (2.0, 5.0, 8.0, 12.0)

@@ -314,8 +314,10 @@ class BallEstimator:
         if not known and chroma > limits.other_chroma:
             return None
         color = -0.5 * min(chroma / limits.chroma, limits.most_chroma) ** 2
+        place = log_prior_of_place(disc.circle[:2], expected, limits.place)
         fast = self._is_fast(expected) or expected.sightings <= 1
-        arrived = self._arrived(search, disc.circle) if fast or disc.log_odds > limits.seen else 0.0
+        may_arrive = fast or place > limits.due or disc.log_odds > limits.seen
+        arrived = self._arrived(search, disc.circle) if may_arrive else 0.0
         before = 0.0
         if search.changes is not None:
             far = math.dist(disc.circle[:2], expected[:2]) > disc.circle[2]
@@ -327,7 +329,7 @@ class BallEstimator:
             foreign=float(
                 not known and not arrived > 0.0 and (chroma > limits.far_chroma or light > limits.far_lightness)
             ),
-            place=log_prior_of_place(disc.circle[:2], expected, limits.place),
+            place=place,
             size=log_prior_of_size(disc.circle[2], expected, limits.size),
             arrived=0.0 if before > limits.before else arrived,
             before=float(before > limits.before),

@@ -66,8 +66,9 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Missed pictures in which an arrival loses most of what it says: the longer, the more else arrives.
     rival : float
         How much an arrival speaks against the ball where something else of its color has left, beside 1 for it.
-    seen : float
-        Log-odds by the network from which something that has arrived may be a ball that is not fast.
+    due, seen : float
+        Something that has arrived may be a ball that is not fast only where the log prior of its place is above the
+        first, or the log-odds by the network above the second.
     unseen, unseen_growth : float
         Log-odds by the network of what has arrived where a fast ball is due and is no disc to it, and the largest
         factor between the radius of that mass and of the ball.
@@ -110,7 +111,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     fits: float = 1.6
     recent: float = 15.0
     rival: float = 0.5
-    seen: float = 1.0
+    due: float = -0.15
+    seen: float = 1.5
     unseen: float = 0.0
     unseen_growth: float = 1.5
     unseen_pictures: int = 8

@@ -250,16 +250,17 @@ class BallEstimator:
         """Discs of the network, and where a fast ball is due what has arrived and is no disc to the network."""
         limits, expected = self._parameters.ball, search.expected
         found = list(discs)
-        taken = {
-            each
-            for each in search.arrived
-            if any(math.dist(each[:2], disc.circle[:2]) < disc.circle[2] for disc in discs)
-        }
+        taken = {each for each in search.arrived if any(self._explains(disc, each) for disc in discs)}
         for each in search.arrived[: limits.starts] if self._is_fast(expected) else ():
             if each not in taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
                 precision = np.eye(3) / (limits.mass_sigma * expected.radius) ** 2
                 found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
         return found
+
+    def _explains(self, disc: Disc, arrival: Arrival) -> bool:
+        """Whether what has arrived is a disc of the network, or its blur and shadow beside a disc that is sure."""
+        beside = arrival.radius if disc.log_odds > self._parameters.ball.seen else 0.0
+        return math.dist(arrival[:2], disc.circle[:2]) < disc.circle[2] + beside
 
     def _is_fast(self, expected: ExpectedPlace) -> bool:
         """Whether a streak may be due, of which the network knows nothing."""

@@ -122,6 +122,8 @@ def places_of_color(
     for at_x, at_y in in_vain:
         cv2.circle(merits, (int((at_x - left) / across), int((at_y - top) / down)), limits.middle // 2, 0.0, -1)
     maxima = _maxima(merits, limits)
+    if not maxima:
+        return []
     size = math.sqrt(across * down)
     found = _regions(likeness, maxima, radius / size, limits)
     found += [(float(column), float(row), limits.larger * radius / size) for column, row in maxima]

@@ -250,9 +250,9 @@ class BallEstimator:
         """Discs of the network, and where a fast ball is due what has arrived and is no disc to the network."""
         limits, expected = self._parameters.ball, search.expected
         found = list(discs)
-        taken = {each for each in search.arrived if any(self._explains(disc, each) for disc in discs)}
         for each in search.arrived[: limits.starts] if self._is_fast(expected) else ():
-            if each not in taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
+            taken = any(self._explains(disc, each) for disc in discs)
+            if not taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
                 precision = np.eye(3) / (limits.mass_sigma * expected.radius) ** 2
                 found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
         return found

@@ -165,7 +165,7 @@ class TrackStep(Copied, Generic[S]):
         period = limits.hypotheses.period if finds_itself(self.fitter.family) else 1
         may_test = bool(estimate.rejection) or index % period == 0
         if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
-            stretched = self._with_modes(image, color, estimate, speed)
+            stretched = self.with_modes(image, color, estimate, speed, limits.hypotheses.mode_gain)
             if stretched is not None:
                 estimate = stretched
             else:
@@ -190,9 +190,11 @@ class TrackStep(Copied, Generic[S]):
         estimate = estimate._replace(rejection=Rejection.NONE)
         predicted, innovation = motion.predicted[:2].tolist(), float(motion.innovation)
         speed = when[1] * float(motion.speed)
-        if speed > self.parameters.ball.streak * estimate.fit.half_width:
+        streak = speed > self.parameters.ball.streak * estimate.fit.half_width
+        if streak and not self.outlines.is_interlaced():  # the fit knows of two fields, each of a short shutter
             return estimate._replace(rejection=Rejection.LOW_COLOR_SCORE)
-        chosen = self._with_modes(image, color, estimate, speed)
+        gain = self.parameters.hypotheses.mode_gain
+        chosen = self.with_modes(image, color, estimate, speed, gain)
         chosen = chosen or self.outlines.choose(image, color, estimate, when, speed)
         if chosen is not None:
             return chosen
@@ -239,15 +241,29 @@ class TrackStep(Copied, Generic[S]):
             self.faint = 0
         return Rejection.FADED if self.faint > limits.faint_frames else Rejection.NONE
 
-    def _with_modes(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate | None:
-        """Fit with larger modes, as a lens may ask for; None, and the workspace as it was, where that is no better."""
+    def with_modes(
+        self, image: Image, color: ColorModel, estimate: Estimate, speed: float, gain: float = 0.0
+    ) -> Estimate | None:
+        """Fit with larger modes, as a lens may ask for; None, and the workspace as it was, where that is no better.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        estimate : Estimate
+            The last fit.
+        speed : float
+            Of the shape, px per frame.
+        gain : float
+            How much better its color score must be.
+        """
         limits, fitter, made = self.parameters.hypotheses, self.fitter, self.fitter.block.copy()
         with_modes = self._hypotheses.with_modes(estimate)
         if with_modes is None:
             return None
         fitter.free_modes()
         stretched = fitter.fit(image, color, with_modes, SearchWindow(limits.range_px, speed))
-        least = max(estimate.fit.color_score + limits.mode_gain, limits.mode_score)
+        least = max(estimate.fit.color_score + gain, limits.mode_score)
         if not stretched.rejection and stretched.fit.color_score > least:
             return stretched
         fitter.block[:] = made

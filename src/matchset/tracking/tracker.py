@@ -92,7 +92,7 @@ class Tracker(Copied, Generic[S]):
         self.step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
         self._detectors = Detectors(self._fitter, self.parameters)
-        self._ball = BallEstimator(self.step, self.parameters, self._detectors)
+        self._ball = BallEstimator(self.step, self.parameters)
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
+from matchset.fitting.validation import Rejection
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
@@ -46,7 +47,6 @@ from matchset.tracking.ball.log_odds import (
     log_prior_of_size,
 )
 from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
-from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate, usual_size
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Acquisition
@@ -84,8 +84,6 @@ class BallEstimator:
     ----------
     step : TrackStep
     parameters : TrackerParameters
-    detectors : Detectors
-        Their searchers propose circles of any size.
 
     Attributes
     ----------
@@ -93,10 +91,9 @@ class BallEstimator:
         None before the ball was seen.
     """
 
-    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters, detectors: Detectors[Any]) -> None:
+    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
         self._step = step
         self._parameters = parameters
-        self._detectors = detectors
         self.belief: Belief | None = None
         if step.outlines.is_disc and parameters.network.used:
             precompile_ball()
@@ -193,7 +190,7 @@ class BallEstimator:
         size = self._size(belief, last.half_width, when)
         self.belief = belief = belief._replace(circle=last[:3], size=size, searched=belief.searched + 1)
         search = self._search(image, color, expected or last, when, is_expected=expected is not None)
-        starts, proposed = propose(belief, search, self._detectors, self._parameters)
+        starts, proposed = propose(belief, search, self._parameters)
         network = self._step.outlines.network
         network.discs(image, [np.array(each) for each in starts], searched=True)
         discs = self._with_arrivals(search, network.seen(image))
@@ -360,7 +357,7 @@ class BallEstimator:
         if size is not None:
             disc = step.outlines.network.of_size(disc, size)
         begins = expected is None
-        if step.outlines.fit_lost(search.image, search.color, disc):
+        if self._fits(search.image, search.color, disc):
             step.take_fit(time, begins)
             step.acquired = Acquisition(time, best.log_odds + weights.edges)
             return True
@@ -368,6 +365,13 @@ class BallEstimator:
             return False
         step.take_disc(search.image, search.color, Gate(*disc.circle), covariance_of(disc), (time, begins))
         step.acquired = Acquisition(time, best.log_odds)
+        return True
+
+    def _fits(self, image: Image, color: ColorModel, disc: Disc) -> bool:
+        """Fit the edge points around a disc, as far out of shape as a lens may draw it; whether they confirm it."""
+        if not self._step.outlines.fit_lost(image, color, disc):
+            return False
+        self._step.with_modes(image, color, self._step.fitter.estimate(Rejection.NONE), 0.0)
         return True
 
     def begin(self, image: Image, color: ColorModel, clicked: Shape, time: float) -> bool:
@@ -389,7 +393,7 @@ class BallEstimator:
         if disc is None:
             return False
         refined = step.outlines.refined(image, disc)
-        if step.outlines.fit_lost(image, color, refined):
+        if self._fits(image, color, refined):
             step.take_fit(time, begins=True)
         else:
             step.take_disc(image, color, Gate(*refined.circle), covariance_of(refined), (time, True))

@@ -33,7 +33,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     reach : float
         Half the side of the window in which its color is looked for, radii for each missed picture.
     spread : tuple of float
-        Radii that are looked for by turns in the whole picture, as shares of the one that is believed.
+        Radii that are looked for in the whole picture, as shares of the one that is believed: all of them in a
+        picture of few cells, else by turns.
     again : int
         For how many pictures a place at which no ball was seen is not looked at again.
     most_growth : float

@@ -5,8 +5,9 @@ stands out, the likeliest first. Of a whole picture that is large in cells a par
 picture; in every other one circles of any size are voted for instead.
 """
 
+import itertools
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,6 @@ from matchset.tracking.ball.color_places import places_of_color
 from matchset.tracking.ball.discs import are_same
 from matchset.tracking.ball.log_odds import ExpectedPlace, log_prior_of_place, log_prior_of_size
 from matchset.tracking.ball.parameters import BallSearchParameters
-from matchset.tracking.detectors import Detectors
 from matchset.tracking.parameters import TrackerParameters
 
 Image = npt.NDArray[np.uint8]
@@ -54,17 +54,13 @@ class BallSearch(NamedTuple):
     is_told: bool
 
 
-def propose(
-    belief: Belief, search: BallSearch, detectors: Detectors[Any], parameters: TrackerParameters
-) -> tuple[list[Circle3], list[Circle3]]:
+def propose(belief: Belief, search: BallSearch, parameters: TrackerParameters) -> tuple[list[Circle3], list[Circle3]]:
     """Propose circles from which the network is led, the likeliest first.
 
     Parameters
     ----------
     belief : Belief
     search : BallSearch
-    detectors : Detectors
-        Their searchers vote for circles of any size.
     parameters : TrackerParameters
 
     Returns
@@ -81,15 +77,16 @@ def propose(
     for rank, arrival in enumerate(search.arrived[: limits.starts - 1]):
         circle = arrival.x, arrival.y, expected.radius
         told = limits.weights.arrived * told_by_arrivals(search, limits)
-        ranked.append((told + _merit(rank, circle, expected, limits), circle))
-    colored = _colored(belief, search, detectors, parameters)
-    ranked += [(_merit(rank, circle, expected, limits), circle) for rank, circle in enumerate(colored)]
+        ranked.append((told + _merit(rank, circle, search, limits), circle))
+    colored = _colored(belief, search, parameters)
+    for each in colored:
+        ranked += [(_merit(rank, circle, search, limits), circle) for rank, circle in enumerate(each)]
     starts = list[Circle3]()
     for _, circle in sorted(ranked, key=lambda each: -each[0]):
         if not any(are_same(circle, each, limits.same) for each in starts):
             starts.append(circle)
     starts = starts[: limits.starts]
-    return starts, [circle for circle in dict.fromkeys(colored) if circle in starts]
+    return starts, [circle for circle in dict.fromkeys(itertools.chain(*colored)) if circle in starts]
 
 
 def told_by_arrivals(search: BallSearch, limits: BallSearchParameters) -> float:
@@ -111,26 +108,29 @@ def told_by_arrivals(search: BallSearch, limits: BallSearchParameters) -> float:
     return max(calm * recent - math.log(len(search.arrived)) / limits.weights.arrived, 0.0)
 
 
-def _colored(
-    belief: Belief, search: BallSearch, detectors: Detectors[Any], parameters: TrackerParameters
-) -> list[Circle3]:
-    """Circles of the ball's color near by, and in the whole picture: at once if it is small in cells, or by turns."""
-    limits, expected, image = parameters.ball, search.expected, search.image
-    whole_frame = parameters.search.whole_frame
-    turn, by_color = divmod(belief.searched, 2)
+def _colored(belief: Belief, search: BallSearch, parameters: TrackerParameters) -> list[list[Circle3]]:
+    """Circles of the ball's color near by and in the whole picture, for each radius that is looked for.
+
+    A picture of few cells is read for every radius, one of many for one of them by turns.
+    """
+    limits, expected, most = parameters.ball, search.expected, float(max(search.image.shape))
     near = expected.radius, limits.reach * expected.missed * expected.radius
-    beside = search.is_expected or not whole_frame or not by_color
-    found = _places(belief, search, near, limits) if beside else []
-    if not whole_frame:
+    if not parameters.search.whole_frame:
+        return [_places(belief, search, near, limits)]
+    scales = (1.0,) if search.is_expected else limits.spread
+    sizes = [expected.radius * scale for scale in scales]
+    large = _cells(search.image, expected.radius, limits) > limits.places.cells
+    found = [_places(belief, search, near, limits)] if large or search.is_expected else []
+    if search.is_expected and large and belief.searched % 2 == 0:
         return found
-    if not (search.is_expected or by_color):
-        votes = detectors.suited(image, expected.radius).searcher.candidates(image, search.color)
-        return [*found, *((x, y, radius) for x, y, radius, _ in votes[: limits.places.most].tolist())]
-    cells = image.shape[0] * image.shape[1] / max(expected.radius / limits.places.radius_cells, 1.0) ** 2
-    if search.is_expected and cells > limits.places.cells and not by_color:
-        return found
-    scale = 1.0 if search.is_expected else limits.spread[turn % len(limits.spread)]
-    return [*found, *_places(belief, search, (scale * expected.radius, float(max(image.shape))), limits)]
+    if sum(_cells(search.image, radius, limits) for radius in sizes) > limits.places.cells:
+        sizes = [sizes[belief.searched % len(sizes)]]
+    return found + [_places(belief, search, (radius, most), limits) for radius in sizes]
+
+
+def _cells(image: Image, radius: float, limits: BallSearchParameters) -> float:
+    """How many cells a picture has where a ball of a radius, px, is looked for."""
+    return image.shape[0] * image.shape[1] / max(radius / limits.places.radius_cells, 1.0) ** 2
 
 
 def _places(
@@ -156,8 +156,12 @@ def _carried(belief: Belief, search: BallSearch) -> list[Circle3]:
     return [circle] if math.dist(circle[:2], belief.reference.circle[:2]) > circle[2] else []
 
 
-def _merit(rank: int, circle: Circle3, expected: ExpectedPlace, limits: BallSearchParameters) -> float:
-    """Merit of a circle that is looked at: the prior of place and size, less a little for each that is better."""
+def _merit(rank: int, circle: Circle3, search: BallSearch, limits: BallSearchParameters) -> float:
+    """Merit of a circle that is looked at: the prior of place and size, less a little for each that is better.
+
+    While it is not known where the ball is, every size is as likely.
+    """
+    expected = search.expected
     other = abs(math.log(circle[2] / expected.radius)) > math.log(limits.places.other_size)
-    size = log_prior_of_size(circle[2], expected, limits.size) if other else 0.0
+    size = log_prior_of_size(circle[2], expected, limits.size) if other and search.is_expected else 0.0
     return log_prior_of_place(circle[:2], expected, limits.place) + size - limits.rank * rank

@@ -121,7 +121,7 @@ class OutlineChoice:
         """
         work = self._fitter.work
         if work.rows == 0:
-            return (work.field_offset.fitted if self._is_interlaced() else np.zeros(2)), 0.5
+            return (work.field_offset.fitted if self.is_interlaced() else np.zeros(2)), 0.5
         velocity: Floats = work.motion.velocity[:2]
         return velocity * (speed / max(math.hypot(*velocity.tolist()), TINY)), 1.0
 
@@ -169,7 +169,7 @@ class OutlineChoice:
 
     def _fit_following(self, image: Image, color: ColorModel, state: Floats, speed: float, disc: Disc) -> Estimate:
         """Fit around a disc of a target that is followed: with its fields where the picture is known to have two."""
-        if self._is_interlaced():
+        if self.is_interlaced():
             return self._fit(image, color, state, np.array(disc.circle), prior=disc, speed=speed)
         work = self._fitter.work
         fields = work.field_offset.fitted.copy()
@@ -177,7 +177,7 @@ class OutlineChoice:
         work.window.speed, work.field_offset.fitted[:] = speed, fields
         return fitted
 
-    def _is_interlaced(self) -> bool:
+    def is_interlaced(self) -> bool:
         """Whether the frames before showed two fields, half a frame apart."""
         return interpreted(time_between_fields)(self._fitter.work)[1] > 0.0
 
@@ -198,7 +198,12 @@ class OutlineChoice:
         limits, whole = self.network.limits, state.copy()
         whole[: len(begin)] = begin
         reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
-        window = SearchWindow(reach, speed or 0.0, limits.sigma_share * reach, velocity_unknown=speed is None)
+        window = SearchWindow(
+            reach,
+            self._parameters.detection.speed if speed is None else speed,
+            limits.sigma_share * reach,
+            velocity_unknown=speed is None,
+        )
         if prior is None:
             return self._fitter.fit(image, color, whole, window)
         sigma, of_motion = self._fitter.work.motion.prior_sigma, self._fitter.work.motion.prior_sigma.copy()

@@ -25,6 +25,14 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.patch_format import Circle3
 from matchset.tracking.ball.belief import Reference
+from matchset.tracking.ball.changes_kernel import (
+    LEVELS,
+    MixtureLimits,
+    Surroundings,
+    count_before,
+    differences,
+    shares_of_ball,
+)
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -82,7 +90,7 @@ class ChangeParameters(msgspec.Struct, frozen=True):
 
 MOST_ALPHA = 1.5  # format: share of the ball in a pixel, beyond which it is something brighter
 WEAK = 100.0  # format: added to a squared difference of colors, gray levels^2, so that no share is made of noise
-SAMPLES = 4000  # format: differences of which the median is taken
+NONE = np.empty((0, 0), np.bool_)  # format: a mask where only the ball's pixel tells
 LEAST_SIDE = 8  # format: pixels of a coarse picture along a side
 SHIFT_SIDE = 160  # format: pixels along the longer side of the pictures whose translation is found
 
@@ -180,9 +188,9 @@ def changes_since(image: Image, reference: Reference, limits: ChangeParameters) 
 
 def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask, float]:
     """Which pixels of two coarse pictures differ by more than noise, and by how much they must, gray levels."""
-    away = cv2.absdiff(now, before).reshape(now.shape).max(axis=2)
-    few = away.ravel()[:: max(away.size // SAMPLES, 1)]
-    usual = float(np.partition(few, len(few) // 2)[len(few) // 2])
+    away, counts = np.empty(now.shape[:2], np.uint8), np.empty(LEVELS, np.int64)
+    differences(now, before, away, counts)
+    usual = float(np.searchsorted(np.cumsum(counts), away.size / 2, side="right"))
     threshold = limits.noise * min(usual, limits.most_usual) + limits.least
     return np.asarray(away > threshold, np.bool_), threshold
 
@@ -220,22 +228,15 @@ def arrivals(
         Of the ball, px.
     limits : ChangeParameters
     """
-    rows, columns = np.nonzero(changes.changed)
-    if not rows.size:
+    alphas = np.empty(changes.changed.shape, np.float32)
+    mixture = MixtureLimits(
+        limits.contrast, limits.least_alpha, limits.residual, limits.residual_share, MOST_ALPHA, WEAK
+    )
+    pictures = changes.now, changes.reference.picture
+    if not shares_of_ball(pictures, changes.changed, pixel, mixture, alphas):
         return []
-    before = changes.reference.picture[rows, columns].astype(np.float32)
-    change = changes.now[rows, columns] - before
-    toward = pixel - before
-    alpha = np.einsum("ij,ij->i", change, toward) / (np.einsum("ij,ij->i", toward, toward) + WEAK)
-    residual = np.linalg.norm(change - alpha[:, np.newaxis] * toward, axis=1)
-    allowed = limits.residual + limits.residual_share * np.linalg.norm(change, axis=1)
-    tells = np.abs(toward).max(axis=1) > limits.contrast
-    mixed = tells & (alpha > limits.least_alpha) & (alpha < MOST_ALPHA) & (residual < allowed)
-    if not mixed.any():
-        return []
-    rows, columns, alpha = rows[mixed], columns[mixed], np.minimum(alpha[mixed], 1.0)
-    mask = np.zeros(changes.changed.shape, np.uint8)
-    mask[rows, columns] = 1
+    rows, columns = np.nonzero(alphas)
+    alpha, mask = alphas[rows, columns], (alphas > 0.0).view(np.uint8)
     joined = cv2.dilate(mask, np.ones((3, 3), np.uint8))
     count, labels = cv2.connectedComponents(joined, connectivity=8)
     region = labels[rows, columns]
@@ -297,18 +298,20 @@ def share_before(
     before = np.ascontiguousarray(reference.picture[rows, columns])
     if not before.size:
         return 0.0
-    changed = changes.changed[rows, columns]
-    apart = np.abs(before - pixel).max(axis=2)
-    tells = apart > changes.threshold + limits.contrast
-    alike = apart < changes.threshold if color.gray else color.scores(before).reshape(before.shape[:2]) > 0
-    px = across * np.arange(left, left + before.shape[1])[np.newaxis, :]
-    py = down * np.arange(top, top + before.shape[0])[:, np.newaxis]
-    inside = (px - x) ** 2 + (py - y) ** 2 < radius**2
     own_x, own_y, own_radius = reference.circle
-    free = (px - own_x) ** 2 + (py - own_y) ** 2 > (limits.own * max(own_radius, radius)) ** 2
-    around = ~inside & ~changed & free
-    if not around.any() or np.median(apart[around]) < limits.contrast:
-        return 0.0
-    there = ~changed & (alike | tells) if not moved else alike | (~changed & tells)
-    counted = np.where(inside, there, alike & changed & moved) & free
-    return float(counted.sum()) / max(int(inside.sum()), 1)
+    disc = Surroundings(
+        x,
+        y,
+        radius,
+        own_x,
+        own_y,
+        limits.own * max(own_radius, radius),
+        across * left,
+        down * top,
+        across,
+        down,
+        changes.threshold,
+        limits.contrast,
+    )
+    alike = NONE if color.gray else color.scores(before).reshape(before.shape[:2]) > 0
+    return count_before(before, changes.changed[rows, columns], alike, pixel, disc, moved, np.empty(LEVELS, np.int64))

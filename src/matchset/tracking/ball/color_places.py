@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from matchset.image.color import WHITE, ColorModel
 from matchset.image.disc_network.patch_format import Circle3
+from matchset.tracking.ball.color_places_kernel import CellScales, weigh_cells
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -71,7 +72,9 @@ class ColorPlaceParameters(msgspec.Struct, frozen=True):
     most_size: float = 3.5
 
 
-LAB_SCALE = np.array((100.0 / 255.0, 1.0, 1.0), np.float32)  # format: of 8-bit Lab, whose lightness is scaled
+SIGN = 0x80  # format: of 8 bits; turned round, a signed number is one more than 128 less
+NO_SCORES = np.empty((0, 0), np.uint8)  # format: of a table that has nothing to say
+NOTHING = np.empty((0, 0), np.float32)  # format: sums over those
 COLOR = 3  # format: channels of a picture with color
 
 
@@ -139,21 +142,32 @@ def _merits(
     mean = cv2.resize(twice, size, interpolation=cv2.INTER_AREA)
     cells = np.asarray(mean.reshape(rows, columns, -1), np.uint8)
     colored = cells if cells.shape[2] == COLOR else cv2.cvtColor(cells, cv2.COLOR_GRAY2BGR)
-    lab = cv2.cvtColor(colored, cv2.COLOR_BGR2Lab) - np.array((0.0, 128.0, 128.0), np.float32)
-    middle, ring = _middle_and_ring(lab, limits)
-    middle *= LAB_SCALE
-    ring *= LAB_SCALE
-    off = (middle - own.astype(np.float32)) / np.array((limits.lightness, limits.chroma, limits.chroma), np.float32)
-    away = middle - ring
-    contrast = np.sqrt(np.einsum("ijk,ijk->ij", away, away))
-    likeness = cv2.exp(-0.5 * np.einsum("ijk,ijk->ij", off, off))
-    merits = likeness * (contrast / (contrast + np.float32(limits.contrast)))
-    if not (color.is_local or color.gray) and color.channels == cells.shape[2]:
-        scores = color.scores(cells).reshape(rows, columns).astype(np.float32)
-        inside, outside = _middle_and_ring(scores, limits)
-        merits = np.maximum(merits, (inside - outside) * np.float32(limits.table / (2 * WHITE)))
-        likeness = np.maximum(likeness, inside / np.float32(WHITE))
-    return np.asarray(merits, np.float32), np.asarray(likeness, np.float32)
+    knows = not (color.is_local or color.gray) and color.channels == cells.shape[2]
+    scores = color.scores(cells).reshape(rows, columns).view(np.uint8) ^ np.uint8(SIGN) if knows else NO_SCORES
+    scales = CellScales(
+        limits.middle**2,
+        limits.outer**2 - limits.inner**2,
+        limits.lightness,
+        limits.chroma,
+        limits.contrast,
+        limits.table,
+        WHITE,
+    )
+    merits, likeness = np.empty((2, rows, columns), np.float32)
+    sums = _sums(cv2.cvtColor(colored, cv2.COLOR_BGR2Lab), limits)
+    weigh_cells(sums, _sums(scores, limits), own.astype(np.float32), scales, merits, likeness)
+    return merits, likeness
+
+
+def _sums(cells: Any, limits: ColorPlaceParameters) -> tuple[Singles, Singles, Singles]:
+    """Sum over the middle, the inner and the outer square around each cell."""
+    if not cells.size:
+        return NOTHING, NOTHING, NOTHING
+    middle, inner, outer = (
+        cv2.boxFilter(cells, cv2.CV_32F, (side, side), normalize=False, borderType=cv2.BORDER_REPLICATE)
+        for side in (limits.middle, limits.inner, limits.outer)
+    )
+    return middle, inner, outer
 
 
 def _regions(
@@ -170,15 +184,6 @@ def _regions(
             x, y = middles[label].tolist()
             found.append((x, y, size))
     return found
-
-
-def _middle_and_ring(cells: Any, limits: ColorPlaceParameters) -> tuple[Any, Any]:
-    """Mean over the square and over the ring around each cell."""
-    middle, inner, outer = (
-        cv2.boxFilter(cells, cv2.CV_32F, (side, side), normalize=False, borderType=cv2.BORDER_REPLICATE)
-        for side in (limits.middle, limits.inner, limits.outer)
-    )
-    return middle / limits.middle**2, (outer - inner) / (limits.outer**2 - limits.inner**2)
 
 
 def _maxima(merits: Singles, limits: ColorPlaceParameters) -> list[tuple[int, int]]:

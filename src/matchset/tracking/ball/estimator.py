@@ -10,23 +10,18 @@ Three steps, on one belief:
 3. *Update*: if the log-odds are above 0 the ball is found, and where it was looked for in vain is noted.
 """
 
-import functools
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
 from matchset.fitting.validation import Rejection
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.lab import lab_of
-from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
+from matchset.image.disc_network.network import Disc
 from matchset.image.disc_network.patch_format import Circle3
-from matchset.image.disc_network.polar_patch import colors_of
-from matchset.numeric.jit import collection_paused
 from matchset.shapes.shape import Shape
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.changes import (
@@ -37,7 +32,7 @@ from matchset.tracking.ball.changes import (
     reference_of,
     share_before,
 )
-from matchset.tracking.ball.discs import middle_pixels
+from matchset.tracking.ball.discs import middle_color, middle_pixels
 from matchset.tracking.ball.judge import covariance_of, likeliest
 from matchset.tracking.ball.log_odds import (
     ExpectedPlace,
@@ -46,6 +41,7 @@ from matchset.tracking.ball.log_odds import (
     log_prior_of_place,
     log_prior_of_size,
 )
+from matchset.tracking.ball.precompile import precompile_ball
 from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
 from matchset.tracking.motion import Gate, usual_size
 from matchset.tracking.parameters import TrackerParameters
@@ -54,20 +50,6 @@ from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
-
-SMALL = 64  # format: side of a small picture, px
-
-
-@functools.cache
-@collection_paused()
-def precompile_ball() -> None:
-    """Run every kernel of a search for a ball once on a small picture, so that no frame waits for the compiler."""
-    image, circle = np.zeros((SMALL, SMALL, 3), np.uint8), (0.5 * SMALL, 0.5 * SMALL, 0.25 * SMALL)
-    cv2.circle(image, (SMALL // 2, SMALL // 2), SMALL // 4, (255, 255, 255), -1)
-    known = colors_of(image, circle)
-    DiscNetwork.packaged().lead(image, [circle], NetworkFollowParameters(), known)
-    find_soft_region(image, circle, SoftRegionParameters())
-    lab_of(image)  # OpenCV makes its tables at the first call, in 70 ms
 
 
 class _Candidate(NamedTuple):
@@ -303,12 +285,11 @@ class BallEstimator:
         """Features of a disc; None where it is far too large or small, or of quite another color."""
         limits, expected = self._parameters.ball, search.expected
         growth = abs(math.log(disc.circle[2] / expected.radius))
-        pixels = middle_pixels(search.image, disc.circle, limits.middle)
-        if growth > math.log(limits.most_growth) or not len(pixels):
+        seen = middle_color(search.image, search.color, disc.circle, limits.middle)
+        if growth > math.log(limits.most_growth) or seen is None:
             return None
-        away = np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0) - belief.lab
-        light, chroma = abs(float(away[0])), math.hypot(*away[1:].tolist())
-        known = float((search.color.scores(pixels[:, np.newaxis, :]) > 0).mean()) > limits.color_share
+        away, known = (seen[0] - belief.lab).tolist(), seen[1] > limits.color_share
+        light, chroma = abs(away[0]), math.hypot(*away[1:])
         if not known and chroma > limits.other_chroma:
             return None
         color = -0.5 * min(chroma / limits.chroma, limits.most_chroma) ** 2

@@ -130,7 +130,9 @@ def _colored(belief: Belief, search: BallSearch, parameters: TrackerParameters) 
 
 def _cells(image: Image, radius: float, limits: BallSearchParameters) -> float:
     """How many cells a picture has where a ball of a radius, px, is looked for."""
-    return image.shape[0] * image.shape[1] / max(radius / limits.places.radius_cells, 1.0) ** 2
+    height, width = image.shape[:2]
+    step = max(radius / limits.places.radius_cells, 1.0)
+    return float(height * width / step**2)
 
 
 def _places(

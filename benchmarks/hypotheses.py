@@ -26,6 +26,7 @@ from benchmarks.tracking.trial import WHAT, circle, sequence
 from benchmarks.workers import one_thread
 from matchset.app.track.score import error_px
 from matchset.sim.clips.truth import ClipTruth
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.parameters import TrackerParameters
 
 WEIGHTS = (
@@ -51,7 +52,7 @@ WEIGHTS = (
     "validation.hint_leeway",
     "confidence.faint_score",
 )
-"""Paths in `TrackerParameters`. Those of sides that move alone do not touch a ball: `--only shapes_accuracy`."""
+"""Paths in `TrackerConstants`. Those of sides that move alone do not touch a ball: `--only shapes_accuracy`."""
 
 FACTORS = (0.5, 0.75, 1.33, 2.0)
 MOST_PX = 5.0
@@ -97,7 +98,7 @@ def main(
     begin = time.perf_counter()
     tuning, unseen = (list(render(first, seeds)) for first in (0, 100))
     console.print(f"{len(tuning) + len(unseen)} sequences rendered, {time.perf_counter() - begin:.0f} s")
-    defaults = TrackerParameters()
+    defaults = TrackerConstants()
     base, base_unseen = loss(tuning, defaults), loss(unseen, defaults)
     console.print(f"defaults: {_words(base)}; seeds from 100 on: {_words(base_unseen)}")
     table = Table(
@@ -111,7 +112,7 @@ def main(
 
 def row_of(
     path: str,
-    defaults: TrackerParameters,
+    defaults: TrackerConstants,
     tuning: tuple[list[Rendered], Loss],
     unseen: tuple[list[Rendered], Loss],
 ) -> tuple[str, str, str, str]:
@@ -143,8 +144,9 @@ def render(first: int, count: int) -> Iterator[Rendered]:
             yield Rendered(name, frames, click, ms.ColorModel.pick(frames[0][0].image, *click))
 
 
-def loss(rendered: list[Rendered], parameters: TrackerParameters) -> Loss:
-    """Follow all sequences with some parameters, px."""
+def loss(rendered: list[Rendered], constants: TrackerConstants) -> Loss:
+    """Follow all sequences with some constants, px."""
+    parameters = TrackerParameters(constants=constants)
     tracking: list[float] = []
     first_sight: list[float] = []
     answered, absent = 0, 0

@@ -182,6 +182,7 @@ def values() -> dict[str, Any]:
         ),
         "Target": ms.Target(3, "blue", ball, 0.5),
         "Track": ball,
+        "TrackerConstants": ms.TrackerConstants(),
         "TrackerParameters": ms.TrackerParameters(),
     }
 

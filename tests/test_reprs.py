@@ -96,6 +96,7 @@ LINES: dict[str, tuple[Any, str]] = {
     "neighbors": (ms.Neighbors(CAMERA, MARKED, COLOR, COLOR), r"Neighbors\(0 balls followed, 0 frames\)"),
     "neighbor": (ms.Neighbor(3, POSE, TRACK, (), False), r"Neighbor\(.*"),
     "parameters": (ms.TrackerParameters(coast=0.1), r"TrackerParameters\(coast=0\.1\)"),
+    "constants": (ms.TrackerConstants(coast=0.1), r"TrackerConstants\(coast=0\.1\)"),
 }
 
 

@@ -20,7 +20,7 @@ LAYERS = (
 
 # file -> title, the names of `matchset.__all__` that it explains
 API = {
-    "tracking": ("Tracking", ("Tracker", "TrackerParameters", "Track", "Lost", "detect")),
+    "tracking": ("Tracking", ("Tracker", "TrackerParameters", "TrackerConstants", "Track", "Lost", "detect")),
     "shapes": ("Shapes", ("Circle", "Ellipse", "Rectangle", "Quadrilateral", "Polygon", "Convex")),
     "pictures": ("Pictures and color", ("Video", "Frame", "ColorModel", "LinkError")),
     "meters": (

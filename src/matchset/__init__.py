@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from matchset.sharing.network_tables import NetworkTables
     from matchset.sharing.share import Share
     from matchset.sharing.shared_target import SharedTarget
+    from matchset.tracking.constants import TrackerConstants
     from matchset.tracking.detection import detect
     from matchset.tracking.many.multi_tracker import MultiTracker
     from matchset.tracking.many.target import Target
@@ -78,6 +79,7 @@ __all__ = [
     "Target",
     "Track",
     "Tracker",
+    "TrackerConstants",
     "TrackerParameters",
     "Video",
     "detect",
@@ -115,6 +117,7 @@ _MODULES = {
     "Target": "matchset.tracking.many.target",
     "Track": "matchset.tracking.track",
     "Tracker": "matchset.tracking.tracker",
+    "TrackerConstants": "matchset.tracking.constants",
     "TrackerParameters": "matchset.tracking.parameters",
     "Video": "matchset.media.video",
     "detect": "matchset.tracking.detection",

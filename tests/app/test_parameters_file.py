@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from blue_ball import Matchset, ball_picture
 from matchset.app.parameters_file import parameters_toml, tracker_parameters
 from matchset.app.track.rows import TrackRow, read_tracks
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.parameters import TrackerParameters
 
 
@@ -33,20 +34,21 @@ def numbers(struct: Any) -> Iterator[tuple[Any, str]]:
 
 
 def test_what_is_printed_is_read_back(tmp_path: Path) -> None:
-    parameters = TrackerParameters()
-    assert read(tmp_path, parameters_toml(parameters)) == parameters
-    changed = msgspec.structs.replace(
-        parameters, coast=0.125, match=msgspec.structs.replace(parameters.match, full_step=0.0703125)
-    )
+    parameters, constants = TrackerParameters(), TrackerConstants()
+    assert read(tmp_path, parameters_toml(parameters)).resolved() == constants
+    match = msgspec.structs.replace(constants.match, full_step=0.0703125)
+    changed = TrackerParameters(coast=0.125, constants=msgspec.structs.replace(constants, match=match))
     assert read(tmp_path, parameters_toml(changed)) == changed
 
 
 def test_a_file_may_hold_some_of_them(tmp_path: Path) -> None:
-    found = read(tmp_path, "coast = 1\n[match]\nfull_step = 0.07\n")
+    found = read(tmp_path, "coast = 1\n[match]\nfull_step = 0.07\n").resolved()
     assert found.coast == 1.0
     assert found.match.full_step == 0.07
-    assert msgspec.structs.replace(found, coast=0.35, match=TrackerParameters().match) == TrackerParameters()
-    limits = read(tmp_path, "[adaptation]\nmax_drift = 1.5\nforeign_below = -1\n[brightness]\nsamples = 48\n")
+    assert msgspec.structs.replace(found, coast=0.35, match=TrackerConstants().match) == TrackerConstants()
+    limits = read(
+        tmp_path, "[adaptation]\nmax_drift = 1.5\nforeign_below = -1\n[brightness]\nsamples = 48\n"
+    ).resolved()
     assert (limits.adaptation.max_drift, limits.adaptation.foreign_below, limits.brightness.samples) == (1.5, -1.0, 48)
     assert read(tmp_path, "") == tracker_parameters(None) == TrackerParameters()
 
@@ -54,12 +56,12 @@ def test_a_file_may_hold_some_of_them(tmp_path: Path) -> None:
 def test_every_parameter_is_printed_with_its_meaning_and_default() -> None:
     text = parameters_toml(TrackerParameters())
     lines = text.splitlines()
-    for struct, name in numbers(TrackerParameters()):
-        (first, *_) = [place for place, line in enumerate(lines) if line.startswith(f"{name} = ")]
+    for struct, name in numbers(TrackerConstants()):
+        (first, *_) = [place for place, line in enumerate(lines) if line.removeprefix("# ").startswith(f"{name} = ")]
         assert lines[first - 1].startswith("# Default: "), name
         assert lines[first - 2].startswith("# "), f"{type(struct).__name__}.{name} has no description"
     assert all(len(line) <= 100 for line in lines if line.startswith("#"))
-    assert tomllib.loads(text)["match"]["full_step"] == TrackerParameters().match.full_step
+    assert tomllib.loads(text)["match"]["full_step"] == TrackerConstants().match.full_step
 
 
 @pytest.mark.parametrize(
@@ -79,6 +81,9 @@ def test_every_parameter_is_printed_with_its_meaning_and_default() -> None:
         ("[match]\nmargin = 2.5", "match.margin must be a whole number, got 2.5"),
         ("[search]\nwhole_frame = 1", "search.whole_frame must be true or false, got 1"),
         ("coast = ", "is not TOML"),
+        ("version = 2", "version must be 1, got 2: it is of another matchset"),
+        ("looks = 2.5", "looks must be a whole number, got 2.5"),
+        ("agility = 1.5", "agility must be 1 or less, got 1.5"),
     ],
 )
 def test_a_wrong_file_is_one_line(

@@ -29,7 +29,7 @@ from matchset.batch.split.opening import StretchOpening
 from matchset.batch.workers.pool import Answer
 from matchset.media.video import Video
 from matchset.media.video_stretch import StretchMark, StretchParameters, VideoStretch
-from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.constants import TrackerConstants
 
 HEADING = "frame,time,found,x,y,radius,identity,label,alternatives"
 
@@ -61,7 +61,7 @@ def test_stretch_begins_where_a_tracker_that_has_read_all_does_what_it_does_now_
     for first, begin, index in ((0, 2.1, 120), (5, 2.1, 65), (5, 1.0, 65), (200, 2.0, 80)):
         with VideoStretch(str(path), begin, 7.0, lambda _: None, first=first) as stretch:
             assert next(stretch).index == index
-    limits = TrackerParameters()
+    limits = TrackerConstants()
     own = limits.hypotheses.period, 4 * limits.adaptation.period, limits.adaptation.sweep * limits.adaptation.period
     for period in own:
         assert StretchParameters().cycle % period == 0

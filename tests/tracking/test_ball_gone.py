@@ -16,7 +16,6 @@ from matchset.tracking.ball.parameters import BallSearchParameters
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.voting import SearchParameters
 
 
 @pytest.mark.parametrize("seed", [101508, 101520, 303537])
@@ -53,7 +52,7 @@ def test_without_a_search_of_the_whole_frame_a_lost_ball_is_looked_for_near_by_a
     moved = np.roll(first.image, round(to * first.image.shape[1] - x), axis=1)
     color, found = ms.ColorModel.pick(first.image, x, y), []
     for whole_frame in (False, True):
-        parameters = TrackerParameters(search=SearchParameters(whole_frame=whole_frame))
+        parameters = TrackerParameters(whole_frame=whole_frame)
         tracker = ms.Tracker(ms.Circle, color, start=(x, y), parameters=parameters)
         tracker.start(ms.Circle(*color.circle or (x, y, 40.0)))
         assert isinstance(tracker.update(first), ms.Track)

@@ -8,11 +8,11 @@ import pytest
 from scenes import BLUE, Picture, blue, with_ball
 
 from matchset.image.disc_network.patch_format import Circle3
-from matchset.tracking.ball.belief import Reference
-from matchset.tracking.ball.changes import (
+from matchset.tracking.ball.places.changes import (
     Arrival,
     ChangeParameters,
     PictureChanges,
+    Reference,
     arrivals,
     changes_since,
     reference_of,

@@ -13,13 +13,12 @@ from matchset.fitting.fitter import Fitter
 from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.clip import Clip
-from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
 EVIDENCE = EvidenceParameters()
-BY_OUTLINE = TrackerParameters(network=NetworkParameters(used=False))
+BY_OUTLINE = TrackerParameters(asks_network=False)
 
 
 def picture(*balls: tuple[float, float], radius: float = 14.0) -> Picture:

@@ -8,7 +8,7 @@ from scenes import BLUE, Picture, blue, scene, with_ball
 
 from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.patch_format import Circle3
-from matchset.tracking.ball.color_places import ColorPlaceParameters, places_of_color
+from matchset.tracking.ball.places.color_places import ColorPlaceParameters, places_of_color
 
 LIMITS = ColorPlaceParameters()
 COLOR = blue()

@@ -15,7 +15,7 @@ from matchset.tracking.parameters import TrackerParameters
 Picture = npt.NDArray[np.uint8]
 SIZE = (240, 360)
 GREEN = (70.0, 150.0, 60.0)
-UNUSED = TrackerParameters(network=NetworkParameters(used=False))
+UNUSED = TrackerParameters(asks_network=False)
 
 
 def picture(

@@ -18,7 +18,7 @@ from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.tracker import Tracker
 
-STILL = TrackerParameters(ball=BallSearchParameters(moves=False))
+STILL = TrackerParameters(moves=False)
 LAST = Gate(60.0, 90.0, 26.0)
 NEXT = 1.0 / 30.0, 1.0 / 30.0
 

@@ -28,6 +28,7 @@ from matchset.tracking.ball.judge import (
     squared_distances,
 )
 from matchset.tracking.compiled_step import tracking_fitter
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track_step import TrackStep
 
@@ -213,7 +214,7 @@ def test_a_tracker_that_did_not_ask_the_network_asks_it_after_a_restart_and_know
 
 def test_a_tracker_whose_parameters_say_so_does_not_ask_the_network_after_a_restart_either() -> None:
     image = picture(160.0)
-    parameters = TrackerParameters(network=NetworkParameters(used=False))
+    parameters = TrackerParameters(asks_network=False)
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), parameters=parameters)
     tracker.restart()
     assert not tracker.step.asks_network
@@ -242,7 +243,7 @@ def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:
     errors = {}
     for used in (True, False):
         color = ms.ColorModel.pick(picture(60.0), 60.0, 90.0, ColorParameters(ball=BallAtClickParameters(used=used)))
-        parameters = TrackerParameters(network=NetworkParameters(used=used))
+        parameters = TrackerParameters(asks_network=used)
         tracker = ms.Tracker(ms.Circle, color, start=(60.0, 90.0), parameters=parameters, fps=30.0)
         answers = [(x, tracker.update(picture(x, hidden, k))) for k, (x, hidden) in enumerate(shown)]
         errors[used] = [
@@ -259,9 +260,10 @@ def followed(moved: float, known: float, log_odds: float) -> tuple[float, bool]:
     `known` is the inverse variance of each number that it says; the others are the hypotheses around the fit.
     """
     color, always = ms.ColorModel.pick(picture(60.0), 60.0, 90.0), 2.0
-    parameters = TrackerParameters(
+    constants = TrackerConstants(
         validation=ValidationParameters(ambiguous_msac_score=always), network=NetworkParameters(sharp=always)
     )
+    parameters = TrackerParameters(constants=constants)
     tracker = ms.Tracker(ms.Circle, color, start=(60.0, 90.0), parameters=parameters, fps=30.0)
     for k in range(6):
         tracker.update(picture(60.0 + 3.0 * k, 12.0 if k > 3 else 0.0, k))

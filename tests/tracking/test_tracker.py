@@ -13,6 +13,7 @@ import matchset as ms
 from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.sim.clips.clip import Clip
 from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.parameters import TrackerParameters
 
 MOVING = [(60.0 + 4.0 * k, 80.0 + 1.5 * k, 25.0) for k in range(12)]
@@ -187,7 +188,11 @@ def test_the_color_adapts_in_a_copy_of_its_own() -> None:
     np.testing.assert_array_equal(color.table, table)
     assert (tracker.color.log_odds != log_odds).any()
     for limits in (AdaptationParameters(rate=0.0), AdaptationParameters(max_drift=0.0)):
-        fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adaptation=limits, network=UNUSED))
+        fixed = ms.Tracker(
+            ms.Circle,
+            color,
+            parameters=TrackerParameters(constants=TrackerConstants(adaptation=limits, network=UNUSED)),
+        )
         assert not all(run(fixed, fading_images()))
         np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
 

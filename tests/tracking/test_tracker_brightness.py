@@ -9,7 +9,7 @@ import pytest
 import matchset as ms
 from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.image.brightness import BrightnessParameters, level_across, level_in
-from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.parameters import TrackerParameters
 
 ROWS, COLUMNS = np.indices((120, 160))
@@ -20,7 +20,9 @@ CIRCLE = ms.Circle(80.0, 60.0, 30.0)
 
 def color_in(color: ms.ColorModel, brightness: BrightnessParameters, start: bool = False) -> npt.NDArray[np.float32]:
     """Log-odds with which a tracker finds the disc."""
-    tracker = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(brightness=brightness))
+    tracker = ms.Tracker(
+        ms.Circle, color, parameters=TrackerParameters(constants=TrackerConstants(brightness=brightness))
+    )
     if start:
         tracker.start(CIRCLE)
     assert isinstance(tracker.update(ms.Frame(IMAGE, 0.0, 0)), ms.Track)
@@ -74,7 +76,7 @@ def test_after_a_loss_brightness_alone_is_no_reason_to_expect_the_shape(
 
     image = np.repeat(IMAGE[:, :, np.newaxis], 3, axis=2) + np.array([60, 0, 0], np.uint8)
     color = ms.ColorModel.dark() if dark else ms.ColorModel.pick(image, 80, 60)
-    by_outlines = TrackerParameters(network=NetworkParameters(used=False))
+    by_outlines = TrackerParameters(asks_network=False)
     tracker = ms.Tracker(ms.Circle, color, parameters=by_outlines)
     assert isinstance(tracker.update(ms.Frame(image, 0.0, 0)), ms.Track)
     assert isinstance(tracker.update(ms.Frame(np.full_like(image, 180), 5.0, 1)), ms.Lost)

@@ -1,7 +1,7 @@
 """Parameters of a tracker as a TOML file: `matchset params` prints them, `--params FILE` reads them.
 
-Both follow the fields of `TrackerParameters` and of the structs inside it, so a new parameter appears by itself. The
-comments are taken from the docstrings.
+The dials of `TrackerParameters` come first, then all other numbers, by groups: one versioned artifact, the fields of
+`TrackerConstants`. A new one appears by itself. The comments are taken from the docstrings.
 """
 
 import inspect
@@ -17,7 +17,8 @@ import msgspec
 
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_text
-from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.constants import VERSION, TrackerConstants
+from matchset.tracking.parameters import DIALS, TrackerParameters, value_at
 
 _WIDTH = 100  # format: longest line of a comment
 _MAX = 1e6  # format: largest number in a file; no length, time or count of a tracker is larger
@@ -51,12 +52,25 @@ def tracker_parameters(path: Path | None) -> TrackerParameters:
         raise ValueError(f"cannot read {path}: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ValueError(f"{path} is not TOML: {error}") from None
-    for problem in _problems(values, TrackerParameters(), ""):
+    groups = {name: value for name, value in values.items() if name not in DIALS}
+    dials = {name: value for name, value in values.items() if name in DIALS}
+    for problem in (*_dial_problems(dials), *_problems(groups, TrackerConstants(), "")):
         raise ValueError(f"{path}: {problem}")
+    if groups.get("version", VERSION) != VERSION:
+        raise ValueError(f"{path}: version must be {VERSION}, got {groups['version']}: it is of another matchset")
     try:
-        return msgspec.convert(values, TrackerParameters)
-    except msgspec.ValidationError as error:
+        constants = msgspec.convert(groups, TrackerConstants) if groups else None
+        return TrackerParameters(**dials, constants=constants)
+    except (msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
+
+
+def _dial_problems(dials: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is wrong with the values of dials."""
+    for name, value in dials.items():
+        problem = _problem_of(value, value_at(TrackerConstants(), DIALS[name]))
+        if problem is not None:
+            yield f"{name} must be {problem}, got {value!r}"
 
 
 def _problems(values: Mapping[str, Any], defaults: msgspec.Struct, table: str) -> Iterator[str]:
@@ -104,7 +118,21 @@ def parameters_toml(parameters: TrackerParameters) -> str:
     str
         What `tracker_parameters` reads.
     """
-    return "\n".join(_table(parameters, "")) + "\n"
+    constants = parameters.constants or TrackerConstants()
+    return "\n".join((*_dials(parameters), "", "", *_table(constants, ""))) + "\n"
+
+
+def _dials(parameters: TrackerParameters) -> Iterator[str]:
+    """Yield the lines of the dials: one that is not turned is a comment."""
+    doc = inspect.getdoc(type(parameters)) or ""
+    meanings = _meanings(doc)
+    yield from _comment(doc.split("\n\n")[0])
+    for dial, path in DIALS.items():
+        value, default = getattr(parameters, dial), value_at(TrackerConstants(), path)
+        yield ""
+        yield from _comment(meanings[dial])
+        yield f"# Default: {_value(default)}"
+        yield f"# {dial} = {_value(default)}" if value is None else f"{dial} = {_value(value)}"
 
 
 def _table(parameters: msgspec.Struct, name: str) -> Iterator[str]:
@@ -119,6 +147,8 @@ def _table(parameters: msgspec.Struct, name: str) -> Iterator[str]:
     explained: dict[str, str] = {}
     for field in parameters.__struct_fields__:
         value = getattr(parameters, field)
+        if not name and field in DIALS:
+            continue
         if isinstance(value, msgspec.Struct):
             groups.append((value, f"{name}{field}."))
             continue

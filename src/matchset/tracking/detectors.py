@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Fitter
 from matchset.shapes.shape import Shape
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.detector import Detector
-from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher, stride_for
 
 S = TypeVar("S", bound=Shape)
@@ -22,10 +22,10 @@ class Detectors(Generic[S]):
     ----------
     fitter : Fitter
         Fits their candidates.
-    parameters : TrackerParameters
+    parameters : TrackerConstants
     """
 
-    def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
+    def __init__(self, fitter: Fitter[S], parameters: TrackerConstants) -> None:
         self._fitter, self._parameters = fitter, parameters
         self.forget()
 

@@ -24,11 +24,11 @@ from matchset.numeric.jit import collection_paused, interpreted
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.initialization import noise_in
 from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept
 from matchset.tracking.outlines.hypotheses import Hypotheses
 from matchset.tracking.outlines.outline_choice import OutlineChoice
-from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher
 from matchset.tracking.track import Acquisition
 
@@ -46,7 +46,7 @@ class TrackStep(Copied, Generic[S]):
     Parameters
     ----------
     fitter : Fitter
-    parameters : TrackerParameters
+    parameters : TrackerConstants
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class TrackStep(Copied, Generic[S]):
         When the shape was found last; None if somebody said where it is.
     """
 
-    def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
+    def __init__(self, fitter: Fitter[S], parameters: TrackerConstants) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.without_outline = False
         self.acquired: Acquisition | None = None

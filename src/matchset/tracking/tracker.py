@@ -85,7 +85,7 @@ class Tracker(Copied, Generic[S]):
         check_kind("color", color, ColorModel, "ColorModel.pick(image, x, y) learns one from a click")
         check_kind("parameters", parameters, (TrackerParameters, type(None)))
         points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
-        self.parameters = parameters or TrackerParameters()
+        self.parameters = (parameters or TrackerParameters()).resolved()
         self._family, self._given, self._arrays = family, color.copy(), ArrayFrames(fps)
         self._hint = start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")

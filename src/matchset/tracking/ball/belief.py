@@ -6,27 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.disc_network.patch_format import Circle3
+from matchset.tracking.ball.places.changes import Reference
 
 Floats = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
-
-
-class Reference(NamedTuple):
-    """A coarse picture from when the ball was seen.
-
-    Attributes
-    ----------
-    picture : ndarray of shape (rows, columns, channels), uint8
-        Every so many pixels one.
-    circle : (x, y, radius)
-        Where the ball was in it, px of the whole picture.
-    time : float
-        When it was taken, s.
-    """
-
-    picture: Image
-    circle: Circle3
-    time: float
 
 
 class Belief(NamedTuple):

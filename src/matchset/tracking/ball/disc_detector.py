@@ -22,9 +22,9 @@ from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc
 from matchset.image.disc_network.patch_format import Circle3
-from matchset.tracking.ball.color_places import ColorPlaceParameters, places_of_color
 from matchset.tracking.ball.discs import are_same, middle_pixels
 from matchset.tracking.ball.judge import DISC, Judge, NetworkParameters, covariance_of, squared_distances
+from matchset.tracking.ball.places.color_places import ColorPlaceParameters, places_of_color
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]

@@ -24,14 +24,6 @@ from matchset.image.disc_network.network import Disc
 from matchset.image.disc_network.patch_format import Circle3
 from matchset.shapes.shape import Shape
 from matchset.tracking.ball.belief import Belief
-from matchset.tracking.ball.changes import (
-    Arrival,
-    arrivals,
-    changes_since,
-    departures,
-    reference_of,
-    share_before,
-)
 from matchset.tracking.ball.discs import middle_color, middle_pixels
 from matchset.tracking.ball.judge import covariance_of, likeliest
 from matchset.tracking.ball.log_odds import (
@@ -41,10 +33,18 @@ from matchset.tracking.ball.log_odds import (
     log_prior_of_place,
     log_prior_of_size,
 )
+from matchset.tracking.ball.places.changes import (
+    Arrival,
+    arrivals,
+    changes_since,
+    departures,
+    reference_of,
+    share_before,
+)
 from matchset.tracking.ball.precompile import precompile_ball
 from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.motion import Gate, usual_size
-from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Acquisition
 from matchset.tracking.track_step import TrackStep
 
@@ -65,7 +65,7 @@ class BallEstimator:
     Parameters
     ----------
     step : TrackStep
-    parameters : TrackerParameters
+    parameters : TrackerConstants
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class BallEstimator:
         None before the ball was seen.
     """
 
-    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
+    def __init__(self, step: TrackStep[Any], parameters: TrackerConstants) -> None:
         self._step = step
         self._parameters = parameters
         self.belief: Belief | None = None

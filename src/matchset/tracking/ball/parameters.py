@@ -2,9 +2,9 @@
 
 import msgspec
 
-from matchset.tracking.ball.changes import ChangeParameters
-from matchset.tracking.ball.color_places import ColorPlaceParameters
 from matchset.tracking.ball.log_odds import FeatureWeights, PlaceParameters, SizeParameters
+from matchset.tracking.ball.places.changes import ChangeParameters
+from matchset.tracking.ball.places.color_places import ColorPlaceParameters
 
 
 class BallSearchParameters(msgspec.Struct, frozen=True):

@@ -11,10 +11,10 @@ from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.network import DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.polar_patch import colors_of
 from matchset.numeric.jit import collection_paused
-from matchset.tracking.ball.changes import arrivals, changes_since, reference_of, share_before
-from matchset.tracking.ball.color_places import places_of_color
 from matchset.tracking.ball.discs import middle_color
 from matchset.tracking.ball.parameters import BallSearchParameters
+from matchset.tracking.ball.places.changes import arrivals, changes_since, reference_of, share_before
+from matchset.tracking.ball.places.color_places import places_of_color
 
 SMALL = 64  # format: side of a small picture, px
 COLOR_CELLS = 1 << 15  # format: of a color table

@@ -15,12 +15,12 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.patch_format import Circle3
 from matchset.tracking.ball.belief import Belief
-from matchset.tracking.ball.changes import Arrival, PictureChanges
-from matchset.tracking.ball.color_places import places_of_color
 from matchset.tracking.ball.discs import are_same
 from matchset.tracking.ball.log_odds import ExpectedPlace, log_prior_of_place, log_prior_of_size
 from matchset.tracking.ball.parameters import BallSearchParameters
-from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.ball.places.changes import Arrival, PictureChanges
+from matchset.tracking.ball.places.color_places import places_of_color
+from matchset.tracking.constants import TrackerConstants
 
 Image = npt.NDArray[np.uint8]
 
@@ -54,14 +54,14 @@ class BallSearch(NamedTuple):
     is_told: bool
 
 
-def propose(belief: Belief, search: BallSearch, parameters: TrackerParameters) -> tuple[list[Circle3], list[Circle3]]:
+def propose(belief: Belief, search: BallSearch, parameters: TrackerConstants) -> tuple[list[Circle3], list[Circle3]]:
     """Propose circles from which the network is led, the likeliest first.
 
     Parameters
     ----------
     belief : Belief
     search : BallSearch
-    parameters : TrackerParameters
+    parameters : TrackerConstants
 
     Returns
     -------
@@ -108,7 +108,7 @@ def told_by_arrivals(search: BallSearch, limits: BallSearchParameters) -> float:
     return max(calm * recent - math.log(len(search.arrived)) / limits.weights.arrived, 0.0)
 
 
-def _colored(belief: Belief, search: BallSearch, parameters: TrackerParameters) -> list[list[Circle3]]:
+def _colored(belief: Belief, search: BallSearch, parameters: TrackerConstants) -> list[list[Circle3]]:
     """Circles of the ball's color near by and in the whole picture, for each radius that is looked for.
 
     A picture of few cells is read for every radius, one of many for one of them by turns.

@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.many.field_timing import FieldTimingParameters
 from matchset.tracking.many.linking import LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters
@@ -13,12 +13,11 @@ from matchset.tracking.many.smoothing.smoother import BothWaysParameters
 from matchset.tracking.many.strip_search import StripSearchParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.voting import SearchParameters
 
 ONE_OF_SEVERAL = TrackerParameters(
-    search=SearchParameters(whole_frame=False),
-    network=NetworkParameters(looks=4),
-    hypotheses=HypothesisParameters(directions=4),
+    whole_frame=False,
+    looks=4,
+    constants=TrackerConstants(hypotheses=HypothesisParameters(directions=4)),
 )
 
 

@@ -22,8 +22,8 @@ from matchset.image.disc_network.network import Disc
 from matchset.numeric.jit import interpreted
 from matchset.shapes.shape import outline
 from matchset.tracking.ball.judge import DISC, Judge, covariance_of, likeliest, squared_distances
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.motion import gate_of, usual_size
-from matchset.tracking.parameters import TrackerParameters
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -45,7 +45,7 @@ class OutlineChoice:
         Covariance of the outlines that were weighed last; None where there was no choice.
     """
 
-    def __init__(self, fitter: Fitter[Any], parameters: TrackerParameters) -> None:
+    def __init__(self, fitter: Fitter[Any], parameters: TrackerConstants) -> None:
         self._fitter, self._parameters = fitter, parameters
         self.network = Judge(parameters.network)
         self.spread: Floats | None = None

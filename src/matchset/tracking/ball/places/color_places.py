@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from matchset.image.color import WHITE, ColorModel
 from matchset.image.disc_network.patch_format import Circle3
-from matchset.tracking.ball.color_places_kernel import CellScales, weigh_cells
+from matchset.tracking.ball.places.color_places_kernel import CellScales, weigh_cells
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -24,8 +24,7 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.patch_format import Circle3
-from matchset.tracking.ball.belief import Reference
-from matchset.tracking.ball.changes_kernel import (
+from matchset.tracking.ball.places.changes_kernel import (
     LEVELS,
     MixtureLimits,
     Surroundings,
@@ -93,6 +92,24 @@ WEAK = 100.0  # format: added to a squared difference of colors, gray levels^2, 
 NONE = np.empty((0, 0), np.bool_)  # format: a mask where only the ball's pixel tells
 LEAST_SIDE = 8  # format: pixels of a coarse picture along a side
 SHIFT_SIDE = 160  # format: pixels along the longer side of the pictures whose translation is found
+
+
+class Reference(NamedTuple):
+    """A coarse picture from when the ball was seen.
+
+    Attributes
+    ----------
+    picture : ndarray of shape (rows, columns, channels), uint8
+        Every so many pixels one.
+    circle : (x, y, radius)
+        Where the ball was in it, px of the whole picture.
+    time : float
+        When it was taken, s.
+    """
+
+    picture: Image
+    circle: Circle3
+    time: float
 
 
 class PictureChanges(NamedTuple):

@@ -35,8 +35,9 @@ def noise(seed: int, *shape: int) -> Image:
 
 
 def sums(cells: npt.NDArray[np.generic]) -> tuple[Singles, Singles, Singles]:
+    values = np.asarray(cells, np.float32)
     middle, inner, outer = (
-        cv2.boxFilter(np.asarray(cells, np.float32), cv2.CV_32F, (side, side), normalize=False) for side in (3, 5, 7)
+        np.asarray(cv2.boxFilter(values, cv2.CV_32F, (side, side), normalize=False), np.float32) for side in (3, 5, 7)
     )
     return middle, inner, outer
 
@@ -154,7 +155,7 @@ def test_what_was_there_before_is_counted_as_masks_count_it(at: tuple[float, flo
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10_000), st.floats(-8.0, 70.0), st.floats(-8.0, 60.0), st.floats(0.6, 40.0))
 def test_the_middle_has_the_median_color_of_its_pixels(seed: int, x: float, y: float, radius: float) -> None:
-    image = cv2.GaussianBlur(noise(seed, 50, 64, 3), (9, 9), 3.0)
+    image = np.asarray(cv2.GaussianBlur(noise(seed, 50, 64, 3), (9, 9), 3.0), np.uint8)
     color = ColorModel(np.random.default_rng(seed).normal(size=1 << 15).astype(np.float32))
     pixels = middle_pixels(image, (x, y, radius), 0.7)
     found = middle_color(image, color, (x, y, radius), 0.7)

@@ -13,6 +13,8 @@ from matchset.image.disc_network.network import Disc
 from matchset.tracking.ball.belief import Belief
 from matchset.tracking.ball.judge import Judge, NetworkParameters
 from matchset.tracking.ball.parameters import BallSearchParameters
+from matchset.tracking.ball.places.color_places import ColorPlaceParameters
+from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
@@ -159,20 +161,28 @@ def test_places_where_no_ball_is_seen_are_noted_and_forgotten_later() -> None:
     assert (200.0, 50.0) not in [each[:2] for each in belief_of(tracker).in_vain]
 
 
-def test_every_part_of_the_picture_is_read_in_turn_beside_what_is_near() -> None:
-    """A lost ball is looked for near where it was in one picture, and anywhere in the next."""
-    tracker, turns = seen(), {True: list[int](), False: list[int]()}
+@pytest.mark.parametrize("parts", [2, 3, 4])
+@pytest.mark.parametrize("expected", [False, True])
+def test_every_part_of_a_large_picture_is_read_for_every_size(expected: bool, parts: int) -> None:
+    """A picture of many cells is read in parts by turns; what is near is read beside it in each picture."""
+    places = ColorPlaceParameters(cells=1)  # any picture has more
+    constants = TrackerConstants(ball=BallSearchParameters(places=places))
+    tracker, read = seen(parameters=TrackerParameters(constants=constants)), set[tuple[float, int]]()
+    place = LAST if expected else None
     with (
         sees(Disc((60.0, 90.0, 26.0), np.eye(3), -9.0), confirmed=False),
         patch("matchset.tracking.ball.propose.places_of_color", return_value=[]) as asked_for,
     ):
         for _ in range(24):
-            tracker._ball.find(picture(60.0), tracker.color, LAST, None, (1.0 / 30.0, 1.0 / 30.0))
-            (_, reach), turn = asked_for.call_args.args[2:4]
-            turns[reach >= 320.0].append(turn)
-    for parts in (2, 3, 4):
-        for each in turns.values():
-            assert {turn % parts for turn in each} == set(range(parts)), f"of {parts} parts some are never read"
+            asked_for.reset_mock()
+            tracker._ball.find(picture(60.0), tracker.color, LAST, place, (1.0 / 30.0, 1.0 / 30.0))
+            reaches = [call.args[2][1] for call in asked_for.call_args_list]
+            assert min(reaches) < 320.0
+            for call in asked_for.call_args_list:
+                (circle, reach), turn = call.args[2:4]
+                read |= {(round(circle[2], 3), turn % parts)} if reach >= 320.0 else set()
+    sizes = 1 if expected else len(BallSearchParameters().spread)
+    assert len(read) == sizes * parts, "some parts are never read for some size"
 
 
 def lost_and_back(back: Picture, gone: Picture) -> list[ms.Track[ms.Circle]]:

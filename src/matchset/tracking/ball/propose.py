@@ -113,19 +113,23 @@ def _colored(belief: Belief, search: BallSearch, parameters: TrackerConstants) -
 
     A picture of few cells is read for every radius, one of many for one of them by turns.
     """
-    limits, expected, most = parameters.ball, search.expected, float(max(search.image.shape))
-    near = expected.radius, limits.reach * expected.missed * expected.radius
+    limits, expected, whole = parameters.ball, search.expected, float(max(search.image.shape))
+    near, turn = limits.reach * expected.missed * expected.radius, belief.searched
     if not parameters.search.whole_frame:
-        return [_places(belief, search, near, limits)]
+        return [_places(belief, search, (expected.radius, near), turn, limits)]
     scales = (1.0,) if search.is_expected else limits.spread
     sizes = [expected.radius * scale for scale in scales]
     large = _cells(search.image, expected.radius, limits) > limits.places.cells
-    found = [_places(belief, search, near, limits)] if large or search.is_expected else []
-    if search.is_expected and large and belief.searched % 2 == 0:
-        return found
-    if sum(_cells(search.image, radius, limits) for radius in sizes) > limits.places.cells:
-        sizes = [sizes[belief.searched % len(sizes)]]
-    return found + [_places(belief, search, (radius, most), limits) for radius in sizes]
+    found = list[list[Circle3]]()
+    if large or search.is_expected:
+        found.append(_places(belief, search, (expected.radius, near), turn, limits))
+    if search.is_expected and large:
+        turn, is_late = divmod(turn, 2)
+        sizes = sizes if is_late else []
+    elif sum(_cells(search.image, radius, limits) for radius in sizes) > limits.places.cells:
+        turn, which = divmod(turn, len(sizes))
+        sizes = [sizes[which]]
+    return found + [_places(belief, search, (radius, whole), turn, limits) for radius in sizes]
 
 
 def _cells(image: Image, radius: float, limits: BallSearchParameters) -> float:
@@ -136,7 +140,7 @@ def _cells(image: Image, radius: float, limits: BallSearchParameters) -> float:
 
 
 def _places(
-    belief: Belief, search: BallSearch, what: tuple[float, float], limits: BallSearchParameters
+    belief: Belief, search: BallSearch, what: tuple[float, float], turn: int, limits: BallSearchParameters
 ) -> list[Circle3]:
     """Circles of the ball's color; `what`: of which radius, and how far from where it is expected, px."""
     radius, reach = what
@@ -144,7 +148,7 @@ def _places(
         search.image,
         (belief.lab, search.color),
         ((search.expected.x, search.expected.y, radius), reach),
-        belief.searched // 2,
+        turn,
         [each[:2] for each in belief.in_vain],
         limits.places,
     )

@@ -331,4 +331,5 @@ def share_before(
         limits.contrast,
     )
     alike = NONE if color.gray else color.scores(before).reshape(before.shape[:2]) > 0
-    return count_before(before, changes.changed[rows, columns], alike, pixel, disc, moved, np.empty(LEVELS, np.int64))
+    changed = np.ascontiguousarray(changes.changed[rows, columns])
+    return count_before(before, changed, alike, pixel, disc, moved, np.empty(LEVELS, np.int64))

@@ -129,7 +129,7 @@ def places_of_color(
         return []
     size = math.sqrt(across * down)
     found = _regions(likeness, maxima, radius / size, limits)
-    found += [(float(column), float(row), limits.larger * radius / size) for column, row in maxima]
+    found += [(*each, limits.larger * radius / size) for each in _one_of_each(maxima, found)]
     return [(left + (x + 0.5) * across - 0.5, top + (y + 0.5) * down - 0.5, cells * size) for x, y, cells in found]
 
 
@@ -184,6 +184,15 @@ def _regions(
             x, y = middles[label].tolist()
             found.append((x, y, size))
     return found
+
+
+def _one_of_each(maxima: list[tuple[int, int]], regions: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
+    """Maxima of which no two are within one region: they are parts of it."""
+    within = [
+        next((k for k, (x, y, size) in enumerate(regions) if math.dist(each, (x, y)) < size), -1 - rank)
+        for rank, each in enumerate(maxima)
+    ]
+    return [(float(x), float(y)) for rank, (x, y) in enumerate(maxima) if within.index(within[rank]) == rank]
 
 
 def _maxima(merits: Singles, limits: ColorPlaceParameters) -> list[tuple[int, int]]:

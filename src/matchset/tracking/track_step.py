@@ -191,7 +191,8 @@ class TrackStep(Copied, Generic[S]):
         predicted, innovation = motion.predicted[:2].tolist(), float(motion.innovation)
         speed = when[1] * float(motion.speed)
         streak = speed > self.parameters.ball.streak * estimate.fit.half_width
-        if streak and not self.outlines.is_interlaced():  # the fit knows of two fields, each of a short shutter
+        seen_once = self.without_outline and float(motion.size_count) <= 1.0  # and may move at any speed
+        if seen_once or (streak and not self.outlines.is_interlaced()):  # each of two fields has a short shutter
             return estimate._replace(rejection=Rejection.LOW_COLOR_SCORE)
         gain = self.parameters.hypotheses.mode_gain
         chosen = self.with_modes(image, color, estimate, speed, gain)

@@ -43,8 +43,9 @@ from matchset.tracking.ball.places.changes import (
 )
 from matchset.tracking.ball.precompile import precompile_ball
 from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
+from matchset.tracking.ball.streak import streak_at
 from matchset.tracking.constants import TrackerConstants
-from matchset.tracking.motion import Gate, usual_size
+from matchset.tracking.motion import Gate, gate_of, usual_size
 from matchset.tracking.track import Acquisition
 from matchset.tracking.track_step import TrackStep
 
@@ -356,7 +357,7 @@ class BallEstimator:
         return True
 
     def begin(self, image: Image, color: ColorModel, clicked: Shape, time: float) -> bool:
-        """Begin with a disc that the network sees at the click; whether there is one.
+        """Begin with a disc that the network sees at the click, or with a streak; whether there is one.
 
         Parameters
         ----------
@@ -372,7 +373,7 @@ class BallEstimator:
             return False
         disc = likeliest(network.discs(image, [clicked.state]), network.limits.sure, network.limits.same)
         if disc is None:
-            return False
+            return self._begin_streak(image, color, gate_of(step.fitter.family, clicked.state)[:3], time)
         refined = step.outlines.refined(image, disc)
         if self._fits(image, color, refined):
             step.take_fit(time, begins=True)
@@ -380,4 +381,15 @@ class BallEstimator:
             step.take_disc(image, color, Gate(*refined.circle), covariance_of(refined), (time, True))
         step.acquired = Acquisition(time, disc.log_odds)
         self.note(image, refined.circle, time, 1.0)
+        return True
+
+    def _begin_streak(self, image: Image, color: ColorModel, clicked: Circle3, time: float) -> bool:
+        """Begin with the ball whose streak was clicked; whether there is one."""
+        streak = streak_at(image, color, clicked, self._parameters.ball.streaks)
+        if streak is None:
+            return False
+        spread = (self._parameters.ball.mass_sigma * streak[2]) ** 2 * np.eye(3)
+        self._step.take_disc(image, color, Gate(*streak), spread, (time, True))
+        self._step.acquired = Acquisition(time, 0.0)
+        self.note(image, streak, time, 1.0)
         return True

@@ -5,6 +5,7 @@ import msgspec
 from matchset.tracking.ball.log_odds import FeatureWeights, PlaceParameters, SizeParameters
 from matchset.tracking.ball.places.changes import ChangeParameters
 from matchset.tracking.ball.places.color_places import ColorPlaceParameters
+from matchset.tracking.ball.streak import StreakParameters
 
 
 class BallSearchParameters(msgspec.Struct, frozen=True):
@@ -22,6 +23,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         How motion is seen.
     places : ColorPlaceParameters
         Which places its color proposes.
+    streaks : StreakParameters
+        Which region at a click is the streak of a fast ball.
     moves : bool
         Whether motion is looked at at all: of no use where the camera flies.
     starts : int
@@ -88,6 +91,7 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     size: SizeParameters = SizeParameters()
     changes: ChangeParameters = ChangeParameters()
     places: ColorPlaceParameters = ColorPlaceParameters()
+    streaks: StreakParameters = StreakParameters()
     moves: bool = True
     starts: int = 4
     rank: float = 0.3

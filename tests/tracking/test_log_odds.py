@@ -31,6 +31,7 @@ places = st.builds(
     speed=st.floats(0.0, 100.0),
     innovation=st.floats(0.0, 100.0),
     sightings=st.integers(1, 100),
+    way=st.floats(0.0, 200.0),
 )
 distances = st.floats(0.0, 2000.0)
 turns = st.floats(0.0, 2.0 * math.pi)

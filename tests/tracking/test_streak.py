@@ -58,8 +58,9 @@ def test_a_streak_is_its_ball_in_the_middle(radius: float, long: float, angle: f
     image = streak(x, y, radius, length, angle, seed)
     found = streak_at(image, COLOR, (160.0, 120.0, 2.0 * radius), LIMITS)
     assert found is not None
-    assert math.dist(found[:2], (x, y)) < 1.0
-    assert abs(found[2] - radius) < 0.15 * radius + 1.0
+    assert math.dist(found.circle[:2], (x, y)) < 1.0
+    assert abs(found.circle[2] - radius) < 0.15 * radius + 1.0
+    assert abs(found.way - length - 1.6 * radius) < 0.3 * radius + 2.0  # it has round ends
 
 
 def ragged() -> Image:

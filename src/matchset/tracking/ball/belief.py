@@ -30,6 +30,8 @@ class Belief(NamedTuple):
         How many pictures were searched for it so far; says which part of a picture is searched next.
     reference : Reference or None
         With what motion is seen.
+    way : float
+        Length of the streak that was clicked, px, whose color is mixed with what is behind it; 0 of a disc.
     in_vain : tuple of (x, y, int)
         Places at which no ball was seen, and in which of the searched pictures.
     """
@@ -41,4 +43,5 @@ class Belief(NamedTuple):
     time: float
     searched: int = 0
     reference: Reference | None = None
+    way: float = 0.0
     in_vain: tuple[tuple[float, float, int], ...] = ()

@@ -42,8 +42,8 @@ from matchset.tracking.ball.places.changes import (
     share_before,
 )
 from matchset.tracking.ball.precompile import precompile_ball
-from matchset.tracking.ball.propose import BallSearch, propose, told_by_arrivals
-from matchset.tracking.ball.streak import streak_at
+from matchset.tracking.ball.propose import BallSearch, arrived_at, propose
+from matchset.tracking.ball.streak import Streak, streak_at
 from matchset.tracking.constants import TrackerConstants
 from matchset.tracking.motion import Gate, gate_of, usual_size
 from matchset.tracking.track import Acquisition
@@ -125,12 +125,14 @@ class BallEstimator:
             self.belief = Belief(circle, (math.log(circle[2]), time), lab, pixel, time, reference=reference)
             return
         share = limits.renewed if score > limits.sure_score else 0.0
+        share = 1.0 if share > 0.0 and belief.way > 0.0 else share  # the color of a streak is mixed
         self.belief = belief._replace(
             circle=circle,
             lab=belief.lab + share * (lab - belief.lab),
             pixel=belief.pixel + np.float32(share) * (pixel - belief.pixel),
             time=time,
             reference=reference,
+            way=0.0 if share > 0.0 else belief.way,
         )
 
     def relight(self, gains: Floats) -> None:
@@ -214,13 +216,15 @@ class BallEstimator:
             speed=float(motion.speed) * when[1],
             innovation=float(motion.innovation),
             sightings=int(motion.size_count),
+            way=belief.way,
         )
         changes, arrived, is_told = None, list[Arrival](), False
         if belief.reference is not None:
             changes = changes_since(image, belief.reference, limits.changes)
         if changes is not None:
-            arrived = arrivals(changes, belief.pixel, radius, limits.changes)
-            is_told = is_expected or not departures(changes, belief.pixel, radius, limits.changes)
+            mass = expected.mass_radius()
+            arrived = arrivals(changes, belief.pixel, mass, limits.changes)
+            is_told = is_expected or not departures(changes, belief.pixel, mass, limits.changes)
             if not self._parameters.search.whole_frame:
                 reach = limits.reach * expected.missed * radius
                 arrived = [each for each in arrived if math.dist(each[:2], (place.x, place.y)) < reach]
@@ -232,7 +236,7 @@ class BallEstimator:
         found = list(discs)
         for each in search.arrived[: limits.starts] if self._is_fast(expected) else ():
             taken = any(self._explains(disc, each) for disc in discs)
-            if not taken and abs(math.log(each.radius / expected.radius)) < math.log(limits.unseen_growth):
+            if not taken and abs(math.log(each.radius / expected.mass_radius())) < math.log(limits.unseen_growth):
                 precision = np.eye(3) / (limits.mass_sigma * expected.radius) ** 2
                 found.append(Disc((each.x, each.y, expected.radius), precision, limits.unseen))
         return found
@@ -245,7 +249,10 @@ class BallEstimator:
     def _is_fast(self, expected: ExpectedPlace) -> bool:
         """Whether a streak may be due, of which the network knows nothing."""
         limits = self._parameters.ball
-        return expected.speed > limits.streak * expected.radius and expected.missed <= limits.unseen_pictures
+        return (
+            max(expected.speed, expected.way) > limits.streak * expected.radius
+            and expected.missed <= limits.unseen_pictures
+        )
 
     def is_look_alike(self, image: Image, color: ColorModel, state: Floats, time: float) -> bool:
         """Say whether what is followed stood there while the ball was elsewhere; as often as the color is renewed.
@@ -297,7 +304,7 @@ class BallEstimator:
         place = log_prior_of_place(disc.circle[:2], expected, limits.place)
         fast = self._is_fast(expected) or expected.sightings <= 1
         may_arrive = fast or place > limits.due or disc.log_odds > limits.seen
-        arrived = self._arrived(search, disc.circle) if may_arrive else 0.0
+        arrived = arrived_at(search, disc.circle, limits) if may_arrive else 0.0
         before = 0.0
         if search.changes is not None:
             far = math.dist(disc.circle[:2], expected[:2]) > disc.circle[2]
@@ -314,19 +321,6 @@ class BallEstimator:
             arrived=0.0 if before > limits.before else arrived,
             before=float(before > limits.before),
         )
-
-    def _arrived(self, search: BallSearch, circle: Circle3) -> float:
-        """How much it says that something has arrived at a disc: less where much has moved."""
-        if search.changes is None:
-            return 0.0
-        limits = self._parameters.ball
-        near = max(circle[2], limits.least_near)
-        sizes = [each.radius for each in search.arrived if math.dist(circle[:2], each[:2]) <= near]
-        if not sizes:
-            return 0.0
-        off = min(abs(math.log(size / search.expected.radius)) for size in sizes)
-        fits = min((math.log(limits.changes.growth) - off) / math.log(limits.fits), 1.0)
-        return told_by_arrivals(search, limits) * max(fits, 0.0)
 
     def _take(self, search: BallSearch, best: _Candidate, time: float, expected: Gate | None) -> bool:
         """Take the likeliest disc, or the fit to the edge points around it, if its log-odds are enough."""
@@ -371,9 +365,14 @@ class BallEstimator:
         step, network = self._step, self._step.outlines.network
         if not step.outlines.is_disc or color.sample is None:
             return False
+        circle = gate_of(step.fitter.family, clicked.state)[:3]
+        streak = streak_at(image, color, circle, self._parameters.ball.streaks)
+        if streak is not None:
+            self._begin_streak(image, color, streak, time)
+            return True
         disc = likeliest(network.discs(image, [clicked.state]), network.limits.sure, network.limits.same)
         if disc is None:
-            return self._begin_streak(image, color, gate_of(step.fitter.family, clicked.state)[:3], time)
+            return False
         refined = step.outlines.refined(image, disc)
         if self._fits(image, color, refined):
             step.take_fit(time, begins=True)
@@ -383,13 +382,11 @@ class BallEstimator:
         self.note(image, refined.circle, time, 1.0)
         return True
 
-    def _begin_streak(self, image: Image, color: ColorModel, clicked: Circle3, time: float) -> bool:
-        """Begin with the ball whose streak was clicked; whether there is one."""
-        streak = streak_at(image, color, clicked, self._parameters.ball.streaks)
-        if streak is None:
-            return False
-        spread = (self._parameters.ball.mass_sigma * streak[2]) ** 2 * np.eye(3)
-        self._step.take_disc(image, color, Gate(*streak), spread, (time, True))
+    def _begin_streak(self, image: Image, color: ColorModel, streak: Streak, time: float) -> None:
+        """Begin with the ball whose streak was clicked."""
+        spread = (self._parameters.ball.mass_sigma * streak.circle[2]) ** 2 * np.eye(3)
+        self._step.take_disc(image, color, Gate(*streak.circle), spread, (time, True))
         self._step.acquired = Acquisition(time, 0.0)
-        self.note(image, streak, time, 1.0)
-        return True
+        self.note(image, streak.circle, time, 1.0)
+        if self.belief is not None:
+            self.belief = self.belief._replace(way=streak.way)

@@ -146,6 +146,8 @@ class ExpectedPlace(NamedTuple):
         Way from picture to picture, and how far it was from its prediction lately, px.
     sightings : int
         How often it was seen.
+    way : float
+        Length of the streak that was clicked, px; 0 of a disc.
     """
 
     x: float
@@ -156,6 +158,11 @@ class ExpectedPlace(NamedTuple):
     speed: float
     innovation: float
     sightings: int
+    way: float = 0.0
+
+    def mass_radius(self) -> float:
+        """Radius of a disc of as much mass, px, in the color that is known: that of a streak is mixed."""
+        return max(math.sqrt(2.0 * self.radius * self.way / math.pi), self.radius)
 
 
 class SizeParameters(msgspec.Struct, frozen=True):
@@ -202,8 +209,8 @@ def log_prior_of_place(place: tuple[float, float], expected: ExpectedPlace, limi
     speed = expected.speed if expected.missed <= limits.moving else 0.0
     innovation = min(expected.innovation, limits.most_innovation * expected.radius)
     scale = limits.radii * expected.radius + limits.speeds * speed + limits.innovations * innovation
-    if expected.sightings <= 1:
-        scale += limits.unknown_speed * expected.radius
+    unknown = limits.unknown_speed * expected.radius if expected.sightings <= 1 else 0.0
+    scale += max(unknown, expected.way)
     scale *= expected.missed**limits.spread
     first = limits.known if expected.sightings >= limits.sightings else limits.new
     elsewhere = first + (1.0 - first) * (1.0 - math.exp(-(expected.missed - 1.0) / limits.forgotten))

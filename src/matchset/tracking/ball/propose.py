@@ -2,7 +2,7 @@
 
 Where the ball is expected and was seen last, where a turning camera took it, what has arrived, and where its color
 stands out, the likeliest first. Of a whole picture that is large in cells a part is read, the next part in the next
-picture; in every other one circles of any size are voted for instead.
+picture.
 """
 
 import itertools
@@ -106,6 +106,27 @@ def told_by_arrivals(search: BallSearch, limits: BallSearchParameters) -> float:
         return -limits.rival * calm
     recent = math.exp(-(search.expected.missed - 1.0) / limits.recent)
     return max(calm * recent - math.log(len(search.arrived)) / limits.weights.arrived, 0.0)
+
+
+def arrived_at(search: BallSearch, circle: Circle3, limits: BallSearchParameters) -> float:
+    """How much it says that something has arrived at a disc: less where much has moved, or of another mass.
+
+    Parameters
+    ----------
+    search : BallSearch
+    circle : (x, y, radius)
+        px.
+    limits : BallSearchParameters
+    """
+    if search.changes is None:
+        return 0.0
+    near = max(circle[2], limits.least_near)
+    sizes = [each.radius for each in search.arrived if math.dist(circle[:2], each[:2]) <= near]
+    if not sizes:
+        return 0.0
+    off = min(abs(math.log(size / search.expected.mass_radius())) for size in sizes)
+    fits = min((math.log(limits.changes.growth) - off) / math.log(limits.fits), 1.0)
+    return told_by_arrivals(search, limits) * max(fits, 0.0)
 
 
 def _colored(belief: Belief, search: BallSearch, parameters: TrackerConstants) -> list[list[Circle3]]:

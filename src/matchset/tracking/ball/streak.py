@@ -1,6 +1,7 @@
 """A ball that flies many radii while the shutter is open, where somebody clicked it: `streak_at`."""
 
 import math
+from typing import NamedTuple
 
 import cv2
 import msgspec
@@ -11,6 +12,21 @@ from matchset.image.color import ColorModel
 from matchset.image.disc_network.patch_format import Circle3
 
 Image = npt.NDArray[np.uint8]
+
+
+class Streak(NamedTuple):
+    """A ball that flew some way while the shutter was open.
+
+    Attributes
+    ----------
+    circle : (x, y, radius)
+        In the middle of the exposure, px.
+    way : float
+        Length of the streak, px.
+    """
+
+    circle: Circle3
+    way: float
 
 
 class StreakParameters(msgspec.Struct, frozen=True):
@@ -31,7 +47,7 @@ class StreakParameters(msgspec.Struct, frozen=True):
     fill: float = 1.25
 
 
-def streak_at(image: Image, color: ColorModel, circle: Circle3, limits: StreakParameters) -> Circle3 | None:
+def streak_at(image: Image, color: ColorModel, circle: Circle3, limits: StreakParameters) -> Streak | None:
     """Find the ball whose streak was clicked, by the second moments of the region of its color there.
 
     A bar of width w has the variance ``w^2 / 12`` across. The ball is as wide as its streak, and was in the middle of
@@ -47,8 +63,8 @@ def streak_at(image: Image, color: ColorModel, circle: Circle3, limits: StreakPa
 
     Returns
     -------
-    (x, y, radius) or None
-        The ball, px; None where the region is no streak.
+    Streak or None
+        None where the region is no streak.
     """
     x, y, radius = circle
     (height, width), reach = image.shape[:2], max(limits.reach * radius, 2.0)
@@ -69,4 +85,4 @@ def streak_at(image: Image, color: ColorModel, circle: Circle3, limits: StreakPa
     fill = len(rows) / (across * along)
     if along < limits.elongation * across or not 1.0 / limits.fill < fill < limits.fill:
         return None
-    return left + float(columns.mean()), top + float(rows.mean()), 0.5 * across
+    return Streak((left + float(columns.mean()), top + float(rows.mean()), 0.5 * across), along)

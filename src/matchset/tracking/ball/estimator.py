@@ -249,10 +249,7 @@ class BallEstimator:
     def _is_fast(self, expected: ExpectedPlace) -> bool:
         """Whether a streak may be due, of which the network knows nothing."""
         limits = self._parameters.ball
-        return (
-            max(expected.speed, expected.way) > limits.streak * expected.radius
-            and expected.missed <= limits.unseen_pictures
-        )
+        return max(expected.speed, expected.way) > limits.streak * expected.radius
 
     def is_look_alike(self, image: Image, color: ColorModel, state: Floats, time: float) -> bool:
         """Say whether what is followed stood there while the ball was elsewhere; as often as the color is renewed.

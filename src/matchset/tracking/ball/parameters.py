@@ -76,8 +76,6 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     unseen, unseen_growth : float
         Log-odds by the network of what has arrived where a fast ball is due and is no disc to it, and the largest
         factor between the radius of that mass and of the ball.
-    unseen_pictures : int
-        For how many pictures after a ball was seen that counts.
     renewed_s : float
         Age from which color and reference are renewed while it is seen, s.
     renewed : float
@@ -120,7 +118,6 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     seen: float = 1.5
     unseen: float = 0.0
     unseen_growth: float = 1.5
-    unseen_pictures: int = 8
     renewed_s: float = 0.25
     renewed: float = 0.3
     least_score: float = 0.5

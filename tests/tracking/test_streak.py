@@ -87,6 +87,10 @@ def test_what_is_no_streak(image: Image) -> None:
     assert streak_at(image, COLOR, (160.0, 120.0, 12.0), LIMITS) is None
 
 
+def test_a_speck_of_the_color_in_a_large_ball_is_none() -> None:
+    assert streak_at(streak(160.0, 120.0, 2.0, 8.0), COLOR, (160.0, 120.0, 60.0), LIMITS) is None
+
+
 @pytest.mark.parametrize("circle", [(-40.0, -40.0, 3.0), (400.0, 120.0, 9.0), (319.0, 239.0, 1.0), (0.0, 0.0, 0.0)])
 def test_a_click_at_or_beyond_the_border_finds_none(circle: tuple[float, float, float]) -> None:
     assert streak_at(streak(160.0, 120.0, 6.0, 30.0), COLOR, circle, LIMITS) is None

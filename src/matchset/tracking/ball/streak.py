@@ -83,6 +83,8 @@ def streak_at(image: Image, color: ColorModel, circle: Circle3, limits: StreakPa
     variances = np.linalg.eigvalsh(np.cov(np.stack((columns, rows)), ddof=0))
     across, along = (math.sqrt(12.0 * max(float(each), 0.0) + 1.0) for each in variances)  # and that of a pixel
     fill = len(rows) / (across * along)
+    if along < radius:  # a speck in what was clicked
+        return None
     if along < limits.elongation * across or not 1.0 / limits.fill < fill < limits.fill:
         return None
     return Streak((left + float(columns.mean()), top + float(rows.mean()), 0.5 * across), along)

@@ -218,7 +218,9 @@ def _moved(now: Image, reference: Reference, scale: tuple[float, float]) -> Refe
     shrink = max(max(rows, columns) / SHIFT_SIDE, 1.0)
     size = max(round(columns / shrink), LEAST_SIDE), max(round(rows / shrink), LEAST_SIDE)
     first, second = (
-        cv2.resize(np.asarray(each.mean(axis=2), np.float32), size, interpolation=cv2.INTER_AREA)
+        cv2.resize(each, size, interpolation=cv2.INTER_AREA)
+        .reshape(size[1], size[0], -1)
+        .mean(axis=2, dtype=np.float32)
         for each in (reference.picture, now)
     )
     (across, down), _ = cv2.phaseCorrelate(first, second, cv2.createHanningWindow(size, cv2.CV_32F))

@@ -82,7 +82,9 @@ def _middle_color(
     lab : (3,), float64, written
     """
     x, y, reach = circle[0], circle[1], share * circle[2]
-    count, seen, known, last = int(min(SIDE, max(2.0 * reach, 1.0))), 0, 0, image.shape[2] - 1
+    count = int(min(SIDE, max(2.0 * reach, 1.0)))
+    last = image.shape[2] - 1
+    seen = known = 0
     for k in range(count):
         down = (k + 0.5) * (2.0 / count) - 1.0
         for j in range(count):

@@ -124,8 +124,8 @@ class BallEstimator:
         if belief is None:
             self.belief = Belief(circle, (math.log(circle[2]), time), lab, pixel, time, reference=reference)
             return
-        share = limits.renewed if score > limits.sure_score else 0.0
-        share = 1.0 if share > 0.0 and belief.way > 0.0 else share  # the color of a streak is mixed
+        renewed = limits.renewed if belief.way == 0.0 else 1.0  # the color of a streak is mixed
+        share = renewed if score > limits.sure_score else 0.0
         self.belief = belief._replace(
             circle=circle,
             lab=belief.lab + share * (lab - belief.lab),
@@ -293,7 +293,8 @@ class BallEstimator:
         seen = middle_color(search.image, search.color, disc.circle, limits.middle)
         if growth > math.log(limits.most_growth) or seen is None:
             return None
-        away, known = (seen[0] - belief.lab).tolist(), seen[1] > limits.color_share
+        away = (seen[0] - belief.lab).tolist()
+        known = seen[1] > limits.color_share
         light, chroma = abs(away[0]), math.hypot(*away[1:])
         if not known and chroma > limits.other_chroma:
             return None

@@ -17,7 +17,7 @@ from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.patch_format import Circle3, Colors
 from matchset.image.disc_network.polar_patch import colors_of
-from matchset.tracking.ball.discs import middle_pixels
+from matchset.tracking.ball.discs import middle_color
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -231,10 +231,8 @@ class Judge:
 
     def has_color(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
         """Whether enough of the middle of a disc has the target's color."""
-        pixels = middle_pixels(image, circle, self.limits.middle)
-        if not len(pixels):
-            return False
-        return bool((color.scores(pixels[:, np.newaxis, :]) > 0).mean() > self.limits.color_share)
+        seen = middle_color(image, color, circle, self.limits.middle)
+        return seen is not None and seen[1] > self.limits.color_share
 
 
 def likeliest(discs: Sequence[Disc], least: float, same: float) -> Disc | None:

@@ -135,7 +135,8 @@ def _colored(belief: Belief, search: BallSearch, parameters: TrackerConstants) -
     A picture of few cells is read for every radius, one of many for one of them by turns.
     """
     limits, expected, whole = parameters.ball, search.expected, float(max(search.image.shape))
-    near, turn = limits.reach * expected.missed * expected.radius, belief.searched
+    near = limits.reach * expected.missed * expected.radius
+    turn = belief.searched
     if not parameters.search.whole_frame:
         return [_places(belief, search, (expected.radius, near), turn, limits)]
     scales = (1.0,) if search.is_expected else limits.spread

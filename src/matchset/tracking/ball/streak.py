@@ -67,19 +67,19 @@ def streak_at(image: Image, color: ColorModel, circle: Circle3, limits: StreakPa
         None where the region is no streak.
     """
     x, y, radius = circle
-    (height, width), reach = image.shape[:2], max(limits.reach * radius, 2.0)
+    reach = max(limits.reach * radius, 2.0)
     left, top = max(int(x - reach), 0), max(int(y - reach), 0)
-    part = np.ascontiguousarray(image[top : min(int(y + reach) + 1, height), left : min(int(x + reach) + 1, width)])
+    part = np.ascontiguousarray(image[top : max(int(y + reach) + 1, top), left : max(int(x + reach) + 1, left)])
     if not part.size or color.channels != image.shape[2]:
         return None
     alike = (color.scores(part).reshape(part.shape[:2]) > 0).astype(np.uint8)
     _, labels = cv2.connectedComponents(alike, connectivity=4)
     row = min(max(round(y) - top, 0), part.shape[0] - 1)
     column = min(max(round(x) - left, 0), part.shape[1] - 1)
-    rows, columns = np.nonzero(labels == labels[row, column])
-    is_cut = rows.min() == 0 or columns.min() == 0 or rows.max() + 1 == alike.shape[0]
-    if not alike[row, column] or is_cut or columns.max() + 1 == alike.shape[1]:
+    region = labels == labels[row, column]
+    if not alike[row, column] or region[[0, -1]].any() or region[:, [0, -1]].any():  # or it may go on
         return None
+    rows, columns = np.nonzero(region)
     variances = np.linalg.eigvalsh(np.cov(np.stack((columns, rows)), ddof=0))
     across, along = (math.sqrt(12.0 * max(float(each), 0.0) + 1.0) for each in variances)  # and that of a pixel
     fill = len(rows) / (across * along)

@@ -206,8 +206,7 @@ def changes_since(image: Image, reference: Reference, limits: ChangeParameters) 
 def _differs(now: Image, before: Image, limits: ChangeParameters) -> tuple[Mask, float]:
     """Which pixels of two coarse pictures differ by more than noise, and by how much they must, gray levels."""
     away, counts = np.empty(now.shape[:2], np.uint8), np.empty(LEVELS, np.int64)
-    differences(now, before, away, counts)
-    usual = float(np.searchsorted(np.cumsum(counts), away.size / 2, side="right"))
+    usual = differences(now, before, away, counts)
     threshold = limits.noise * min(usual, limits.most_usual) + limits.least
     return np.asarray(away > threshold, np.bool_), threshold
 

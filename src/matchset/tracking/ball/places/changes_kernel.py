@@ -59,8 +59,8 @@ class Surroundings(NamedTuple):
 
 
 @kernel(refcount=False)
-def differences(now: Image, before: Image, away: Image, counts: Counts) -> None:
-    """Write the largest difference of the channels of each pixel, and how many pixels have which.
+def differences(now: Image, before: Image, away: Image, counts: Counts) -> float:
+    """Write the largest difference of the channels of each pixel, and how many pixels have which; their median.
 
     Parameters
     ----------
@@ -77,6 +77,7 @@ def differences(now: Image, before: Image, away: Image, counts: Counts) -> None:
                 most = apart if apart > most else most
             away[row, column] = most
             counts[most] += 1
+    return _median(counts, away.size)
 
 
 @kernel(refcount=False)

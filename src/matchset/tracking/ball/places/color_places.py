@@ -188,11 +188,14 @@ def _regions(
 
 def _one_of_each(maxima: list[tuple[int, int]], regions: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
     """Maxima of which no two are within one region: they are parts of it."""
-    within = [
-        next((k for k, (x, y, size) in enumerate(regions) if math.dist(each, (x, y)) < size), -1 - rank)
-        for rank, each in enumerate(maxima)
-    ]
-    return [(float(x), float(y)) for rank, (x, y) in enumerate(maxima) if within.index(within[rank]) == rank]
+    found = list[tuple[float, float]]()
+    taken = set[int]()
+    for x, y in maxima:
+        around = [k for k, region in enumerate(regions) if math.dist((x, y), region[:2]) < region[2]]
+        if not taken.intersection(around[:1]):
+            found.append((float(x), float(y)))
+        taken.update(around[:1])
+    return found
 
 
 def _maxima(merits: Singles, limits: ColorPlaceParameters) -> list[tuple[int, int]]:

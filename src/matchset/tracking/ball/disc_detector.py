@@ -156,9 +156,35 @@ class DiscDetector:
         """
         if self._lab is None:
             return
-        discs = self._network.discs(image, [*map(np.array, self._starts(image, proposed))], searched=True)
+        starts = self._starts(image, proposed)
+        yield from self.judged(image, self.led(image, starts, self._limits.network.looks))
+
+    def places(self, image: Image, radius: float, turn: int, covered: Sequence[Circle3]) -> list[Circle3]:
+        """Circles of about a radius where the target's color stands out; see `places_of_color`."""
+        if self._lab is None:
+            return []
+        height, width = image.shape[:2]
+        everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
+        return places_of_color(image, (self._lab, self._model), everywhere, turn, covered, self._limits.places)
+
+    def led(self, image: Image, starts: Sequence[Circle3], looks: int) -> list[Disc]:
+        """Discs to which the network is led from circles, apart from each other, the likeliest first.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        starts : sequence of (x, y, radius)
+            px.
+        looks : int
+            How many looks of the network it may cost.
+        """
+        self._network.begin_picture(looks)
+        return self._apart(self._network.discs(image, [*map(np.array, starts)], searched=True))
+
+    def judged(self, image: Image, discs: Sequence[Disc]) -> Iterator[tuple[float, Floats]]:
+        """Yield those of some discs that are balls; see `find`."""
         found = list[tuple[float, Disc, Floats]]()
-        for disc in self._apart(discs)[: self._limits.compared]:
+        for disc in discs[: self._limits.compared]:
             evidence = self._evidence(image, disc)
             odds = self._log_odds(image, disc, evidence)
             if odds is not None and odds > self._limits.asked:

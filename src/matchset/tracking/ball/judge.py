@@ -106,9 +106,9 @@ class Judge:
         self.begin_picture()
         self.know(None)
 
-    def begin_picture(self) -> None:
-        """Have all looks of a picture before it."""
-        self.left = self.limits.looks
+    def begin_picture(self, looks: int | None = None) -> None:
+        """Have all looks of a picture before it, or so many."""
+        self.left = self.limits.looks if looks is None else looks
         if self._led:  # in most pictures nobody asks
             self._led = {}
 

@@ -10,8 +10,8 @@ from matchset.shapes.shape import Shape
 from matchset.tracking.many.field_timing import FieldTiming
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
+from matchset.tracking.many.searches import Searches
 from matchset.tracking.many.sightings import Sighting, are_fields, of_both, place_of, sighting_of
-from matchset.tracking.many.strip_search import STRIPS, StripSearch
 from matchset.tracking.many.tracklet import Followed, Tracklet, start
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
@@ -59,6 +59,7 @@ class Observer:
     ----------
     finds : bool
         Whether what nobody follows is searched for.
+    searches : Searches
     requests : list of Request
         What shall be followed, and was not found yet.
     """
@@ -71,13 +72,10 @@ class Observer:
         finds: bool,
     ) -> None:
         self._families, self._colors, self._limits = families, colors, parameters
-        self._searches = {
-            label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
-        }
+        self.searches = Searches(families, colors, parameters)
         self._spare: dict[str, list[Tracker[Any]]] = {label: [self._made(label)] for label in colors}
         self.finds, self.requests = finds, list[Request]()
-        self._frames = self._turn = 0
-        self._labels = list(colors)
+        self._frames = 0
         self._fields = FieldTiming(parameters.fields)
 
     def _tracker(self, label: str) -> Tracker[Any]:
@@ -136,7 +134,7 @@ class Observer:
             self._add(frame, fresh, sighting, known)
         for sighting in self._probe(frame, predicted, (hidden, known), passed):
             self._add(frame, fresh, sighting, known)
-        for sighting in self._search(frame, predicted, hidden, [*known, *fresh]):
+        for sighting in self.searches.search(frame, predicted, hidden, [*known, *fresh], finds=self.finds):
             self._add(frame, fresh, sighting, known)
         return Observed(continued, ended, fresh)
 
@@ -148,7 +146,7 @@ class Observer:
             if isinstance(request.what, tuple):
                 x, y = request.what
                 places = [each.place for each in known]
-                tracks = self._searches[request.label].near(frame, Gate(x, y, 0.0), places)
+                tracks = self.searches.at(frame, request.label, (x, y), places)
                 tracks = [track for track in tracks if _holds(place_of(track.shape), (x, y))]
             else:
                 tracker = self._tracker(request.label)
@@ -293,31 +291,6 @@ class Observer:
         """Whether what is expected at a place is hidden behind something that is seen."""
         visible = self._limits.min_visible * place.half_width
         return any(place.distance(each.place) + place.half_width < each.place.half_width + visible for each in known)
-
-    def _search(
-        self, frame: Frame, predicted: Predicted, hidden: Sequence[Followed], known: Sequence[Sighting]
-    ) -> list[Sighting]:
-        """Search a strip for what nobody follows, and a quarter of the image around one that is hidden."""
-        places, sigmas = [each.place for each in known], self._limits.motion.center_sigmas
-        found = list[Sighting]()
-        gone = [each for each in hidden if frame.time - each.seen > self._limits.searched]
-        if self.finds and (
-            hidden or self._frames % self._limits.period == 0 or self._frames < STRIPS * len(self._colors)
-        ):
-            label = self._labels[self._turn]
-            self._turn = (self._turn + 1) % len(self._labels)
-            found += [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
-        elif gone:
-            label = gone[0].label
-            found += [sighting_of(track, sigmas, label) for track in self._searches[label].update(frame, places)]
-        if hidden:
-            sought = min(hidden, key=lambda each: (each.identity is not None, each.sought, -each.seen))
-            sought.sought = frame.time
-            place, _ = predicted.likeliest(sought.slot)
-            places += [each.place for each in found]
-            tracks = self._searches[sought.label].near(frame, place, places)
-            found += [sighting_of(track, sigmas, sought.label)._replace(sure=False) for track in tracks]
-        return found
 
 
 def near_pairs(places: Sequence[Gate], distance: float) -> list[tuple[int, int]]:

@@ -5,6 +5,7 @@ import math
 import msgspec
 
 from matchset.tracking.constants import TrackerConstants
+from matchset.tracking.many.disc_search import DiscSearchParameters
 from matchset.tracking.many.field_timing import FieldTimingParameters
 from matchset.tracking.many.linking import LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters
@@ -64,6 +65,8 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     linking : LinkingParameters
     merge : MergeParameters
     search : StripSearchParameters
+    discs : DiscSearchParameters
+        How balls are searched for whose color was clicked.
     smoothing : BothWaysParameters
     tracker : TrackerParameters
         Of each target's tracker; it must not search the whole frame.
@@ -88,5 +91,6 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     linking: LinkingParameters = LinkingParameters()
     merge: MergeParameters = MergeParameters()
     search: StripSearchParameters = StripSearchParameters()
+    discs: DiscSearchParameters = DiscSearchParameters()
     smoothing: BothWaysParameters = BothWaysParameters()
     tracker: TrackerParameters = ONE_OF_SEVERAL

@@ -122,8 +122,9 @@ def places_of_color(
         rows = max(int((bottom - top) / step), 1)
     merits, likeness = _merits(image[top:bottom, left:right], (columns, rows), known, limits)
     across, down = (right - left) / columns, (bottom - top) / rows
-    for at_x, at_y in in_vain:
-        cv2.circle(merits, (int((at_x - left) / across), int((at_y - top) / down)), limits.middle // 2, 0.0, -1)
+    for at_x, at_y, *size in in_vain:
+        cells = round(size[0] / across) if size else limits.middle // 2
+        cv2.circle(merits, (int((at_x - left) / across), int((at_y - top) / down)), cells, 0.0, -1)
     maxima = _maxima(merits, limits)
     if not maxima:
         return []

@@ -11,11 +11,12 @@ from typing import Annotated
 import typer
 
 from benchmarks.crowds.bars import TIMED, bars, cost_ratio
-from benchmarks.crowds.cases import EVERY, PHYSICS, USUAL, cases
+from benchmarks.crowds.cases import EVERY, USUAL, cases
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
 from benchmarks.crowds.labelled import folder
 from benchmarks.crowds.page import page
+from benchmarks.crowds.physics.clip import SCENES as PHYSICS
 from benchmarks.crowds.physics.world import engine
 from benchmarks.crowds.rows import Kept, follow
 from benchmarks.machine import Machine

@@ -161,7 +161,7 @@ class View:
             [(columns - CX) / self.camera.focal, (rows - CY) / self.camera.focal, np.ones(distance.shape)], axis=-1
         )
         places = (rays * distance[..., np.newaxis]) @ self.camera.rotation() + np.array(self.camera.eye)
-        return places.astype(np.float32)
+        return np.asarray(places, np.float32)
 
     def _beam(self, places: Light) -> Light:
         """How much light arrives at places, shadows aside."""

@@ -89,7 +89,7 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
     world.sheet((-7.2, -5.0, 0.0), (14.4, 0.0, 0.0), (0.0, 10.4, 0.0), table)
     world.block((0.0, 0.2, -0.25), (7.2, 5.2, 0.25), None, bounce=0.9)
     world.sheet((-40.0, -12.0, -8.0), (80.0, 0.0, 0.0), (0.0, 60.0, 0.0), cloth(random, (75, 72, 70)))
-    radius = float(random.uniform(0.3, 0.55))
+    radius = float(random.uniform(0.26, 0.48))
     name = "orange" if random.random() < 0.7 else str(random.choice(["red", "blue", "green"]))
     others = ["white", "pink", str(random.choice(["purple", "yellow", "brown"]))]
     larger = radius * float(random.choice([0.65, 1.5]))
@@ -103,7 +103,7 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
         start = (8.4 * (2 * side - 1), float(random.uniform(-2.5, 3.5)), float(random.uniform(1.0, 4.0)))
         aim = (float(random.uniform(0.0, 5.0)) * (2 * side - 1), float(random.uniform(-2.5, 3.0)))
         if side == 2:
-            start = (float(random.uniform(-4.0, 4.0)), -7.5, float(random.uniform(1.5, 4.0)))
+            start = (float(random.uniform(-4.0, 4.0)), -6.8, float(random.uniform(0.2, 1.2)))
             aim = (start[0] + float(random.normal(0.0, 2.0)), float(random.uniform(-2.0, 1.5)))
         flight = float(random.uniform(0.35, 0.65))
         across, deep = ((there - here) / flight for there, here in zip(aim, start[:2], strict=True))
@@ -111,7 +111,7 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
         spin = tuple(float(each) for each in random.normal(0.0, 8.0, 3))
         world.throw(ball, start, (across, deep, up), (spin[0], spin[1], spin[2]))
 
-    turns = Turns(world, order, (0.25, 0.8), throw, lambda at: at[2] < -7.0 or abs(at[0]) > 30.0, random)
+    turns = Turns(world, order, (0.2, 0.55), throw, lambda at: at[2] < -7.0 or abs(at[0]) > 30.0, random)
     next_poke = [3.0]
 
     def act(time: float) -> None:
@@ -125,7 +125,7 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
 
     far = float(random.uniform(0.95, 1.1))
     eye = (float(random.uniform(-1.5, 1.5)), -10.5 * far, float(random.uniform(7.5, 10.0)) * far)
-    return Stage(Camera(eye, (0.0, 0.3, 0.6), 640.0), _lamp(random, 14.0), (0.0, 0.0, 1.0), act, 2.5)
+    return Stage(Camera(eye, (0.0, 0.3, 0.6), 640.0), _lamp(random, 14.0), (0.0, 0.0, 1.0), act, 2.0)
 
 
 def billiards(world: World, balls: int, random: np.random.Generator) -> Stage:
@@ -228,9 +228,9 @@ def slope(world: World, balls: int, random: np.random.Generator) -> Stage:
         world.throw(ball, start, (float(random.normal(0.0, 3.0)), -3.0, 0.0))
 
     order = _mixed(crowd, distracting, random)
-    turns = Turns(world, order, (0.2, 0.6), throw, lambda at: at[1] < -deep - 3.0 or at[2] < -3.0, random)
+    turns = Turns(world, order, (0.1, 0.4), throw, lambda at: at[1] < -deep - 3.0 or at[2] < -3.0, random)
     eye = (float(random.uniform(-2.0, 2.0)), float(random.uniform(-9.0, -7.0)), 11.5)
-    return Stage(Camera(eye, (0.0, -0.3, 0.0), 640.0), _lamp(random, 14.0), (0.0, 0.0, 1.0), turns, 1.0)
+    return Stage(Camera(eye, (0.0, -0.3, 0.0), 640.0), _lamp(random, 14.0), (0.0, 0.0, 1.0), turns, 1.5)
 
 
 def juggling(world: World, balls: int, random: np.random.Generator) -> Stage:

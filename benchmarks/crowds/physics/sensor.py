@@ -76,4 +76,4 @@ class Sensor:
             (0, 1): cv2.COLOR_BayerGBRG2RGB,
         }[self._corner]
         colors = cv2.cvtColor(numbers, code).astype(np.float32)
-        return np.maximum((colors - 64.0) / (WHITE / 2.0), 0.0)
+        return np.asarray(np.maximum((colors - 64.0) / (WHITE / 2.0), 0.0), np.float32)

@@ -83,7 +83,7 @@ def marked(random: np.random.Generator, color: Color, marks: int) -> Bytes:
 
 def _painted(color: Color, shade: Floats) -> Bytes:
     values = np.array(color[::-1], float) * np.maximum(shade, 0.05)[..., np.newaxis]
-    return np.clip(values, 0.0, 255.0).astype(np.uint8)
+    return np.asarray(np.clip(values, 0.0, 255.0), np.uint8)
 
 
 def _clouds(random: np.random.Generator, size: int, cells: int) -> npt.NDArray[np.float64]:

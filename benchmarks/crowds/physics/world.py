@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType, TracebackType
 from typing import Any
@@ -34,10 +35,9 @@ def engine() -> ModuleType:
         If it is not installed.
     """
     try:
-        import pybullet
+        return import_module("pybullet")
     except ImportError as error:
         raise ImportError("crowds with physics need pybullet: pip install pybullet") from error
-    return pybullet
 
 
 @dataclass
@@ -294,7 +294,7 @@ class World:
 def _icosphere(times: int) -> tuple[list[Floats], list[tuple[int, int, int]]]:
     """Return corners and triangles of an icosahedron, each triangle divided into four some times."""
     golden = (1.0 + math.sqrt(5.0)) / 2.0
-    raw = [(a, b * golden, 0.0) for b in (1, -1) for a in (-1, 1)]
+    raw: list[tuple[float, float, float]] = [(a, b * golden, 0.0) for b in (1, -1) for a in (-1, 1)]
     raw += [(0.0, a, b * golden) for b in (1, -1) for a in (-1, 1)]
     raw += [(b * golden, 0.0, a) for b in (1, -1) for a in (-1, 1)]
     corners = [np.array(each) / math.hypot(*each) for each in raw]

@@ -93,9 +93,9 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
     name = "orange" if random.random() < 0.7 else str(random.choice(["red", "blue", "green"]))
     others = ["white", "pink", str(random.choice(["purple", "yellow", "brown"]))]
     larger = radius * float(random.choice([0.65, 1.5]))
-    crowd = _crowd(world, balls, radius, name, random, bounce=0.82, rolling=0.03)
-    distracting = [_other(world, radius, each, random, bounce=0.82, rolling=0.03) for each in others[:2]]
-    distracting.append(_other(world, larger, others[2], random, bounce=0.8, rolling=0.03))
+    crowd = _crowd(world, balls, radius, name, random, bounce=0.78, rolling=0.07)
+    distracting = [_other(world, radius, each, random, bounce=0.78, rolling=0.07) for each in others[:2]]
+    distracting.append(_other(world, larger, others[2], random, bounce=0.75, rolling=0.07))
     order = _mixed(crowd, distracting, random)
 
     def throw(ball: Ball) -> None:
@@ -105,7 +105,7 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
         if side == 2:
             start = (float(random.uniform(-4.0, 4.0)), -6.8, float(random.uniform(0.2, 1.2)))
             aim = (start[0] + float(random.normal(0.0, 2.0)), float(random.uniform(-2.0, 1.5)))
-        flight = float(random.uniform(0.35, 0.65))
+        flight = float(random.uniform(0.45, 0.75))
         across, deep = ((there - here) / flight for there, here in zip(aim, start[:2], strict=True))
         up = GRAVITY * flight / 2.0 - (start[2] - radius) / flight
         spin = tuple(float(each) for each in random.normal(0.0, 8.0, 3))
@@ -119,9 +119,9 @@ def bouncing(world: World, balls: int, random: np.random.Generator) -> Stage:
         if time >= next_poke[0]:
             poked = order[int(random.integers(len(order)))]
             if world.there(poked) and world.center(poked)[2] < 2.0 * radius:
-                angle, speed = float(random.uniform(0.0, math.tau)), float(random.uniform(8.0, 22.0))
+                angle, speed = float(random.uniform(0.0, math.tau)), float(random.uniform(6.0, 18.0))
                 world.kick(poked, (speed * math.cos(angle), speed * math.sin(angle), float(random.uniform(0.0, 12.0))))
-            next_poke[0] = time + float(random.uniform(0.4, 1.2))
+            next_poke[0] = time + float(random.uniform(0.5, 1.5))
 
     far = float(random.uniform(0.95, 1.1))
     eye = (float(random.uniform(-1.5, 1.5)), -10.5 * far, float(random.uniform(7.5, 10.0)) * far)

@@ -2,5 +2,5 @@
 
 Read `crowd.py`, then `scenes.py`, `juggling.py` and `pair.py`: what is rendered. `cases.py`: what is detected in it;
 `followers.py` and `peers/`: who follows it; `score.py`: HOTA, IDF1, switches of names; `rows.py`, `page.py` and
-`__main__.py`: the table.
+`__main__.py`: the table. `physics/`: crowds of another renderer, with a physics engine, only to report.
 """

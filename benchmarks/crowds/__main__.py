@@ -11,11 +11,13 @@ from typing import Annotated
 import typer
 
 from benchmarks.crowds.bars import TIMED, bars, cost_ratio
-from benchmarks.crowds.cases import EVERY, cases
+from benchmarks.crowds.cases import EVERY, USUAL, cases
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
 from benchmarks.crowds.labelled import folder
 from benchmarks.crowds.page import page
+from benchmarks.crowds.physics.clip import SCENES as PHYSICS
+from benchmarks.crowds.physics.world import engine
 from benchmarks.crowds.rows import Kept, follow
 from benchmarks.machine import Machine
 from benchmarks.options import parse_seeds
@@ -27,7 +29,7 @@ PAGE = FOLDER / "CROWDS.md"
 
 
 def main(
-    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join(EVERY)}.")] = ",".join(EVERY),
+    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join(EVERY)}.")] = ",".join(USUAL),
     balls: Annotated[str, typer.Option(help="How many, with commas.")] = "2,5,10,20",
     seeds: Annotated[str, typer.Option(help="As '200-204'; peers were tuned on 100 and 101.")] = "200-204",
     followers: Annotated[str, typer.Option(help=f"Some of {', '.join(NAMES)}.")] = ",".join(NAMES),
@@ -71,7 +73,14 @@ def _here(scenes: list[str]) -> list[str]:
     absent_clips = [] if folder().is_dir() else [scene for scene in scenes if scene in CLIPS]
     for clip in absent_clips:
         print(f"{clip} is left out: no {folder()}", file=sys.stderr)
-    return [scene for scene in scenes if scene not in absent_clips]
+    scenes = [scene for scene in scenes if scene not in absent_clips]
+    try:
+        if any(scene in PHYSICS for scene in scenes):
+            engine()
+    except ImportError as error:
+        print(f"scenes with physics are left out: {error}", file=sys.stderr)
+        scenes = [scene for scene in scenes if scene not in PHYSICS]
+    return scenes
 
 
 def _known(keys: list[str]) -> list[str]:

@@ -13,6 +13,8 @@ import matchset as ms
 from benchmarks.crowds.crowd import Crowd, Seen
 from benchmarks.crowds.labelled import EQUAL, NAMES, LabelledClip
 from benchmarks.crowds.pair import SECONDS, hidden_pair
+from benchmarks.crowds.physics.clip import SCENES as PHYSICS
+from benchmarks.crowds.physics.clip import PhysicsCrowd
 from benchmarks.crowds.scenes import SCENES
 from benchmarks.crowds.score import Answer
 
@@ -20,7 +22,8 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "crowds"
 PAIR = "pair"
 MOST = 20  # balls of a crowd
-EVERY = (*SCENES, PAIR, *NAMES)
+USUAL = (*SCENES, PAIR, *NAMES)
+EVERY = (*USUAL, *PHYSICS)  # physics takes minutes a crowd to render: by name only
 CLEAR = 0.95  # share of a ball that must be seen for a click on it
 DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
 """Folders of the package that decide what is rendered and detected; following many balls at once is left out."""
@@ -34,7 +37,7 @@ class Case(msgspec.Struct, frozen=True):
     Parameters
     ----------
     scene : str
-        One of `SCENES`, "pair", or a clip that was labelled.
+        One of `SCENES`, "pair", a clip that was labelled, or one of `PHYSICS`.
     balls : int
     seconds : float
     seed : int
@@ -51,12 +54,14 @@ class Case(msgspec.Struct, frozen=True):
         if not 1 <= self.balls <= MOST:
             raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
 
-    def crowd(self) -> Crowd | LabelledClip:
+    def crowd(self) -> Crowd | LabelledClip | PhysicsCrowd:
         """Make it; a pair and a clip have balls and a length of their own."""
         if self.scene == PAIR:
             return hidden_pair(self.seed)
         if self.scene in NAMES:
             return LabelledClip(self.scene)
+        if self.scene in PHYSICS:
+            return PHYSICS[self.scene](self.balls, self.seconds, self.seed)
         return SCENES[self.scene](self.balls, self.seconds, self.seed)
 
 
@@ -97,7 +102,7 @@ class Watched(msgspec.Struct, frozen=True):
         return seen, [said for _, said in pairs]
 
 
-def color_of(crowd: Crowd | LabelledClip) -> ms.ColorModel:
+def color_of(crowd: Crowd | LabelledClip | PhysicsCrowd) -> ms.ColorModel:
     """Learn the balls' color by a click on the largest one of the first frame in which one is clear.
 
     Raises
@@ -144,6 +149,7 @@ def checksum(folders: tuple[str, ...]) -> str:
     files = [path for folder in folders for path in sorted((package / folder).rglob("*")) if path.suffix in DECIDING]
     here = Path(__file__).parent
     files += [here / name for name in ("crowd.py", "scenes.py", "juggling.py", "pair.py", "labelled.py")]
+    files += sorted((here / "physics").glob("*.py"))
     for path in files:
         if many not in path.parents or "localization" in folders:
             total.update(path.name.encode() + b"\0" + path.read_bytes())

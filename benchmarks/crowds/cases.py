@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 
 import matchset as ms
+from benchmarks.crowds.composed.scenes import COMPOSED, Composed
 from benchmarks.crowds.crowd import Crowd, Seen
 from benchmarks.crowds.labelled import EQUAL, NAMES, LabelledClip
 from benchmarks.crowds.pair import SECONDS, hidden_pair
@@ -20,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "crowds"
 PAIR = "pair"
 MOST = 20  # balls of a crowd
-EVERY = (*SCENES, PAIR, *NAMES)
+EVERY = (*SCENES, PAIR, *NAMES, *COMPOSED)
 CLEAR = 0.95  # share of a ball that must be seen for a click on it
 DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
 """Folders of the package that decide what is rendered and detected; following many balls at once is left out."""
@@ -34,7 +35,7 @@ class Case(msgspec.Struct, frozen=True):
     Parameters
     ----------
     scene : str
-        One of `SCENES`, "pair", or a clip that was labelled.
+        One of `SCENES` or `COMPOSED`, "pair", or a clip that was labelled.
     balls : int
     seconds : float
     seed : int
@@ -51,12 +52,14 @@ class Case(msgspec.Struct, frozen=True):
         if not 1 <= self.balls <= MOST:
             raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
 
-    def crowd(self) -> Crowd | LabelledClip:
+    def crowd(self) -> Crowd | LabelledClip | Composed:
         """Make it; a pair and a clip have balls and a length of their own."""
         if self.scene == PAIR:
             return hidden_pair(self.seed)
         if self.scene in NAMES:
             return LabelledClip(self.scene)
+        if self.scene in COMPOSED:
+            return COMPOSED[self.scene](self.balls, self.seconds, self.seed)
         return SCENES[self.scene](self.balls, self.seconds, self.seed)
 
 
@@ -97,7 +100,7 @@ class Watched(msgspec.Struct, frozen=True):
         return seen, [said for _, said in pairs]
 
 
-def color_of(crowd: Crowd | LabelledClip) -> ms.ColorModel:
+def color_of(crowd: Crowd | LabelledClip | Composed) -> ms.ColorModel:
     """Learn the balls' color by a click on the largest one of the first frame in which one is clear.
 
     Raises
@@ -115,7 +118,8 @@ def color_of(crowd: Crowd | LabelledClip) -> ms.ColorModel:
 
 def watched(case: Case) -> Watched:
     """Return the truth and the detections of a crowd, from a file if it was watched before."""
-    name = f"{case.scene}_{case.balls}_{case.seconds:g}_{case.seed}_{checksum(DETECTING)}.json"
+    version = checksum(DETECTING) + composed_checksum(case.scene)
+    name = f"{case.scene}_{case.balls}_{case.seconds:g}_{case.seed}_{version}.json"
     path = FOLDER / name
     if path.exists():
         return msgspec.json.decode(path.read_bytes(), type=Watched)
@@ -148,6 +152,17 @@ def checksum(folders: tuple[str, ...]) -> str:
         if many not in path.parents or "localization" in folders:
             total.update(path.name.encode() + b"\0" + path.read_bytes())
     return total.hexdigest()[:12]
+
+
+@cache
+def composed_checksum(scene: str) -> str:
+    """Checksum of what decides a composed crowd, after a dash; nothing of another scene."""
+    if scene not in COMPOSED:
+        return ""
+    total = hashlib.sha256()
+    for path in sorted((Path(__file__).parent / "composed").glob("*.py")):
+        total.update(path.name.encode() + b"\0" + path.read_bytes())
+    return f"-{total.hexdigest()[:6]}"
 
 
 def noted(seen: list[Seen] | None) -> list[tuple[int, float, float, float, float]] | None:

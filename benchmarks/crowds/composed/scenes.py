@@ -24,6 +24,8 @@ from benchmarks.crowds.crowd import Seen
 FIRST_REPORTED = 650  # seeds from it on have balls and backgrounds of their own
 RATES = (25.0, 30.0)  # frames a second
 LEAST, MOST = 8.5, 27.0  # px, of the radius of most balls
+LIKE = {"green": ("green", "cyan"), "cyan": ("green", "cyan")}
+"""Colors too like one for a ball of them to be a stranger."""
 Motion = Callable[[list[float], float, np.random.Generator], Course]
 
 
@@ -63,7 +65,7 @@ class Composed:
         self.frames = round(seconds * self.fps)
         most = min(BALLS[self.ball].most, MOST * min(1.0, (8.0 / balls) ** 0.5))
         radius = float(np.exp(random.uniform(np.log(min(LEAST, 0.8 * most)), np.log(most))))
-        others = [name for name in names if BALLS[name].color != color]
+        others = [name for name in names if BALLS[name].color not in LIKE.get(color, (color,))]
         strangers = [others[int(random.integers(len(others)))] for _ in range(1 + seed % 2)]
         self.another_size = seed % 3 == 0
         self.shown = [self.ball] * (balls + self.another_size) + strangers

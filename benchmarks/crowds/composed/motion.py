@@ -41,7 +41,8 @@ class Course(NamedTuple):
 def bouncing(radii: list[float], seconds: float, random: np.random.Generator) -> Course:
     """Balls that are thrown in by turns, bounce on a floor and off each other, leave, and come back.
 
-    They are in two planes: those of one plane hide those of the other, which is farther.
+    One that left at a side is thrown back from there, so that its name can be known. They are in two planes: those of
+    one plane hide those of the other, which is farther.
 
     Parameters
     ----------
@@ -69,14 +70,14 @@ def bouncing(radii: list[float], seconds: float, random: np.random.Generator) ->
         body.position = (-1000.0 - 100.0 * number, floor - 400.0)
     due = np.arange(len(radii)) * random.uniform(0.15, 0.3) - 0.3
     away = [True] * len(radii)
+    doors = [(1 if random.random() < 0.5 else -1, random.uniform(60.0, 0.6 * floor)) for _ in radii]
 
     def before(step: int) -> None:
         now = step / STEPS
         for number, (body, size) in enumerate(zip(bodies, sizes, strict=True)):
             if away[number] and now >= due[number]:
-                side = 1 if random.random() < 0.5 else -1
+                side, y = doors[number]
                 x = -size - 5.0 if side > 0 else WIDTH + size + 5.0
-                y = random.uniform(60.0, 0.6 * floor)
                 if all(math.dist((x, y), other.position) > 3.0 * size for other in bodies if other is not body):
                     body.position = (x, y)
                     body.velocity = (side * random.uniform(130.0, 420.0), random.uniform(-420.0, 50.0))
@@ -85,6 +86,8 @@ def bouncing(radii: list[float], seconds: float, random: np.random.Generator) ->
             elif not away[number] and not -size - 10.0 <= body.position.x <= WIDTH + size + 10.0:
                 away[number] = True
                 due[number] = now + random.uniform(0.2, 0.8)
+                side = 1 if body.position.x < 0.0 else -1
+                doors[number] = (side, float(np.clip(body.position.y, 0.0, floor - 2.0 * size)))
                 body.position = (-1000.0 - 100.0 * number, floor - 400.0)
             if away[number]:
                 body.velocity = (0.0, 0.0)

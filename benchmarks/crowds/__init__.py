@@ -1,6 +1,7 @@
 """Crowds of equal balls with exact truth, and who keeps which name.
 
-Read `crowd.py`, then `scenes.py`, `juggling.py` and `pair.py`: what is rendered. `cases.py`: what is detected in it;
+Read `crowd.py`, then `scenes.py`, `juggling.py` and `pair.py`: what is rendered; `composed/`: real balls in other real
+pictures; `physics/`: another renderer, with a physics engine, only to report. `cases.py`: what is detected in it;
 `followers.py` and `peers/`: who follows it; `score.py`: HOTA, IDF1, switches of names; `rows.py`, `page.py` and
-`__main__.py`: the table. `physics/`: crowds of another renderer, with a physics engine, only to report.
+`__main__.py`: the table. `stills/`: what is detected in single pictures.
 """

@@ -12,6 +12,8 @@ import typer
 
 from benchmarks.crowds.bars import TIMED, bars, cost_ratio
 from benchmarks.crowds.cases import EVERY, USUAL, cases
+from benchmarks.crowds.composed.footage import folder as real_clips
+from benchmarks.crowds.composed.scenes import COMPOSED
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
 from benchmarks.crowds.labelled import folder
@@ -70,17 +72,19 @@ def _words(text: str) -> list[str]:
 
 def _here(scenes: list[str]) -> list[str]:
     """Those whose pictures are here; say which are not."""
-    absent_clips = [] if folder().is_dir() else [scene for scene in scenes if scene in CLIPS]
-    for clip in absent_clips:
-        print(f"{clip} is left out: no {folder()}", file=sys.stderr)
-    scenes = [scene for scene in scenes if scene not in absent_clips]
+    left_out = []
+    for needed, where in ((CLIPS, folder()), (COMPOSED, real_clips())):
+        missing = [] if where.is_dir() else [scene for scene in scenes if scene in needed]
+        for scene in missing:
+            print(f"{scene} is left out: no {where}", file=sys.stderr)
+        left_out += missing
     try:
         if any(scene in PHYSICS for scene in scenes):
             engine()
     except ImportError as error:
         print(f"scenes with physics are left out: {error}", file=sys.stderr)
-        scenes = [scene for scene in scenes if scene not in PHYSICS]
-    return scenes
+        left_out += [scene for scene in scenes if scene in PHYSICS]
+    return [scene for scene in scenes if scene not in left_out]
 
 
 def _known(keys: list[str]) -> list[str]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 
 import matchset as ms
+from benchmarks.crowds.composed.scenes import COMPOSED, Composed
 from benchmarks.crowds.crowd import Crowd, Seen
 from benchmarks.crowds.labelled import EQUAL, NAMES, LabelledClip
 from benchmarks.crowds.pair import SECONDS, hidden_pair
@@ -22,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "crowds"
 PAIR = "pair"
 MOST = 20  # balls of a crowd
-USUAL = (*SCENES, PAIR, *NAMES)
+USUAL = (*SCENES, PAIR, *NAMES, *COMPOSED)
 EVERY = (*USUAL, *PHYSICS)  # physics takes minutes a crowd to render: by name only
 CLEAR = 0.95  # share of a ball that must be seen for a click on it
 DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
@@ -37,7 +38,7 @@ class Case(msgspec.Struct, frozen=True):
     Parameters
     ----------
     scene : str
-        One of `SCENES`, "pair", a clip that was labelled, or one of `PHYSICS`.
+        One of `SCENES` or `COMPOSED`, "pair", a clip that was labelled, or one of `PHYSICS`.
     balls : int
     seconds : float
     seed : int
@@ -54,7 +55,7 @@ class Case(msgspec.Struct, frozen=True):
         if not 1 <= self.balls <= MOST:
             raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
 
-    def crowd(self) -> Crowd | LabelledClip | PhysicsCrowd:
+    def crowd(self) -> Crowd | LabelledClip | Composed | PhysicsCrowd:
         """Make it; a pair and a clip have balls and a length of their own."""
         if self.scene == PAIR:
             return hidden_pair(self.seed)
@@ -62,6 +63,8 @@ class Case(msgspec.Struct, frozen=True):
             return LabelledClip(self.scene)
         if self.scene in PHYSICS:
             return PHYSICS[self.scene](self.balls, self.seconds, self.seed)
+        if self.scene in COMPOSED:
+            return COMPOSED[self.scene](self.balls, self.seconds, self.seed)
         return SCENES[self.scene](self.balls, self.seconds, self.seed)
 
 
@@ -102,7 +105,7 @@ class Watched(msgspec.Struct, frozen=True):
         return seen, [said for _, said in pairs]
 
 
-def color_of(crowd: Crowd | LabelledClip | PhysicsCrowd) -> ms.ColorModel:
+def color_of(crowd: Crowd | LabelledClip | Composed | PhysicsCrowd) -> ms.ColorModel:
     """Learn the balls' color by a click on the largest one of the first frame in which one is clear.
 
     Raises
@@ -120,7 +123,8 @@ def color_of(crowd: Crowd | LabelledClip | PhysicsCrowd) -> ms.ColorModel:
 
 def watched(case: Case) -> Watched:
     """Return the truth and the detections of a crowd, from a file if it was watched before."""
-    name = f"{case.scene}_{case.balls}_{case.seconds:g}_{case.seed}_{checksum(DETECTING)}.json"
+    version = checksum(DETECTING) + composed_checksum(case.scene)
+    name = f"{case.scene}_{case.balls}_{case.seconds:g}_{case.seed}_{version}.json"
     path = FOLDER / name
     if path.exists():
         return msgspec.json.decode(path.read_bytes(), type=Watched)
@@ -154,6 +158,17 @@ def checksum(folders: tuple[str, ...]) -> str:
         if many not in path.parents or "localization" in folders:
             total.update(path.name.encode() + b"\0" + path.read_bytes())
     return total.hexdigest()[:12]
+
+
+@cache
+def composed_checksum(scene: str) -> str:
+    """Checksum of what decides a composed crowd, after a dash; nothing of another scene."""
+    if scene not in COMPOSED:
+        return ""
+    total = hashlib.sha256()
+    for path in sorted((Path(__file__).parent / "composed").glob("*.py")):
+        total.update(path.name.encode() + b"\0" + path.read_bytes())
+    return f"-{total.hexdigest()[:6]}"
 
 
 def noted(seen: list[Seen] | None) -> list[tuple[int, float, float, float, float]] | None:

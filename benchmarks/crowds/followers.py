@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import matchset as ms
-from benchmarks.crowds.cases import DETECTING, FOLLOWING, MOST, Watched, checksum
+from benchmarks.crowds.cases import DETECTING, FOLLOWING, MOST, Watched, checksum, composed_checksum
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
 from benchmarks.crowds.peers.peer import PEERS, stored
 from benchmarks.crowds.score import Answer
@@ -95,9 +95,9 @@ class Field:
         return FedPeer(self._processes[key], parameters or stored(key), given.found, given.seconds)
 
 
-def version(key: str) -> str:
+def version(key: str, scene: str = "") -> str:
     """Say what decides the row of a follower and a crowd: where it differs that is found anew."""
-    scoring = hashlib.sha256(SCORE.read_bytes()).hexdigest()[:4]
+    scoring = hashlib.sha256(SCORE.read_bytes()).hexdigest()[:4] + composed_checksum(scene)
     if key in PEERS:
         values = ", ".join(f"{name} {value}" for name, value in sorted(stored(key).items()))
         return f"{checksum(DETECTING)}-{scoring}: {values}"

@@ -12,7 +12,7 @@ import matchset as ms
 from benchmarks.crowds.crowd import Seen
 
 LABELS = Path(__file__).with_name("labels")
-NAMES = tuple(sorted(path.stem for path in LABELS.glob("*.csv")))
+NAMES = tuple(sorted(path.stem for path in LABELS.glob("mire_*.csv")))
 FOLDER = Path("/usr/share/visp-images-data/ViSP-images")  # where Debian's `visp-images-data` puts them
 VARIABLE = "MATCHSET_VISP_IMAGES"  # names another folder
 SEQUENCE = "mire-2"

@@ -34,7 +34,9 @@ Their ms include the detection.
 *juggling*: up to five balls for each juggler, whose hands hide what they hold. *billiards*: a plane, collisions.
 *swarm*: three dimensions, balls leave and come back. *crossing*: all balls pass the middle of the view every 2 s.
 *pair*: one ball hides another one of its size for a second; every third time that comes out where it went in.
-*mire*: four equal discs on a box in hands, gray pictures, labelled by hand (`benchmarks/crowds/labels`)."""
+*mire*: four equal discs on a box in hands, gray pictures, labelled by hand (`benchmarks/crowds/labels`).
+*composed*: real balls, cut out of labelled clips, in other real pictures, with balls of other colors and sizes that are
+none of the crowd, coded as JPEG or MPEG-4; seeds below 650 are for tuning (`benchmarks/crowds/composed`)."""
 
 ABOUT_FILES = """`MultiTracker.smooth` explains a video as a whole, read forward and backward; its ms are those of both
 readings. Beside it what `update` answers in the same crowds, which knows no later frame."""

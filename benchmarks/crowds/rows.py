@@ -45,19 +45,19 @@ class Kept:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._rows: dict[tuple[Case, str], Row] = {}
-        self._versions: dict[str, str] = {}
+        self._versions: dict[tuple[str, str], str] = {}
         for line in path.read_bytes().splitlines() if path.exists() else ():
             try:
                 row = msgspec.json.decode(line, type=Row)
             except msgspec.DecodeError:
                 continue
-            if row.version == self._version(row.follower):
+            if row.version == self._version(row.follower, row.case.scene):
                 self._rows[row.case, row.follower] = row
 
-    def _version(self, follower: str) -> str:
-        if follower not in self._versions:
-            self._versions[follower] = version(follower)
-        return self._versions[follower]
+    def _version(self, follower: str, scene: str) -> str:
+        if (follower, scene) not in self._versions:
+            self._versions[follower, scene] = version(follower, scene)
+        return self._versions[follower, scene]
 
     def get(self, case: Case, follower: str) -> Row | None:
         """Return a row; None if it is not known."""
@@ -124,7 +124,7 @@ def _row(
     return Row(
         case=case,
         follower=key,
-        version=version(key),
+        version=version(key, case.scene),
         score=score(seen, said),
         right=names_kept(seen, said) if case.scene == PAIR else None,
         median_ms=float(np.median(took)),

@@ -186,7 +186,7 @@ class Observer:
         for each in [each for each in seen if self._is_mixed(each, seen, hidden, predicted)]:
             ended.append(each)
             del seen[each]
-        return self._distinct(frame, seen, ended), ended
+        return self._distinct(frame, seen, ended, predicted), ended
 
     def _crowded(
         self, predicted: Predicted, tracklets: Sequence[Tracklet], hidden: Sequence[Followed]
@@ -198,14 +198,15 @@ class Observer:
         return {tracklets[k] for pair in near for k in pair if k < len(tracklets)}
 
     def _distinct(
-        self, frame: Frame, seen: dict[Tracklet, Sighting], ended: list[Tracklet]
+        self, frame: Frame, seen: dict[Tracklet, Sighting], ended: list[Tracklet], predicted: Predicted
     ) -> dict[Tracklet, Sighting]:
-        """Of tracklets that see one outline keep the one with most support, and end the others."""
+        """Of tracklets that see one outline keep the one that was expected there most, and end the others."""
         limits = self._limits.merge
         reach = limits.field_distance
         if not near_pairs([sighting.place for sighting in seen.values()], reach):
             return seen
-        ordered = sorted(seen, key=lambda tracklet: -seen[tracklet].track.support)
+        expected = {each: _likelihood(each, seen[each], predicted) for each in seen}
+        ordered = sorted(seen, key=lambda tracklet: -expected[tracklet])
         near = near_pairs([seen[each].place for each in ordered], reach)
         merged = set[int]()
         for first, second in near:
@@ -307,6 +308,12 @@ def near_pairs(places: Sequence[Gate], distance: float) -> list[tuple[int, int]]
             if abs(other.y - y) < reach and math.hypot(other.x - x, other.y - y) < distance * max(size, other[2]):
                 pairs.append((min(first, second), max(first, second)))
     return sorted(pairs)
+
+
+def _likelihood(tracklet: Tracklet, sighting: Sighting, predicted: Predicted) -> float:
+    """Log-likelihood of a sighting as that of the target whose the tracklet is most likely."""
+    slot = tracklet.hypotheses[tracklet.owner()].slot
+    return predicted.likelihood(slot, sighting.place, sighting.variance).log
 
 
 def _holds(place: Gate, point: tuple[float, float]) -> bool:

@@ -122,9 +122,9 @@ def level_across(
     for share in (parameters.inner, parameters.outer):
         places = np.rint(center + share * (points - center)).astype(np.int64)
         inside = ((places >= 0) & (places < image.shape[1::-1])).all(axis=1)
-        pixels = image[places[inside, 1], places[inside, 0]].reshape(int(inside.sum()), -1).astype(np.float64)
-        if len(pixels) == 0:
+        if not inside.any():
             return math.nan
+        pixels = image[places[inside, 1], places[inside, 0]].reshape(int(inside.sum()), -1).astype(np.float64)
         weights = (0.114, 0.587, 0.299) if pixels.shape[1] == 3 else (1.0,)
         sides.append(float(np.median(pixels @ np.array(weights))))
     return 0.5 * (sides[0] + sides[1])

@@ -64,6 +64,8 @@ class DiscDetectorParameters(msgspec.Struct, frozen=True):
     weights : DetectionWeights
     asked : float
         Least log-odds: less finds more balls, and more other things.
+    doubted : float
+        How far below that a disc may be a ball, and is doubtful.
     least_px, most_share, factor : float
         Radii that are looked for: the least, px, the largest, as a share of the picture's shorter side, and the factor
         from one to the next.
@@ -96,6 +98,7 @@ class DiscDetectorParameters(msgspec.Struct, frozen=True):
 
     weights: DetectionWeights = DetectionWeights()
     asked: float = -0.15
+    doubted: float = 2.0
     least_px: float = 2.8
     most_share: float = 0.45
     factor: float = 1.4
@@ -157,7 +160,9 @@ class DiscDetector:
         if self._lab is None:
             return
         starts = self._starts(image, proposed)
-        yield from self.judged(image, self.led(image, starts, self._limits.network.looks))
+        for odds, spread in self.judged(image, self.led(image, starts, self._limits.network.looks)):
+            if odds > self._limits.asked:
+                yield odds, spread
 
     def places(self, image: Image, radius: float, turn: int, covered: Sequence[Circle3]) -> list[Circle3]:
         """Circles of about a radius where the target's color stands out; see `places_of_color`."""
@@ -182,12 +187,12 @@ class DiscDetector:
         return self._apart(self._network.discs(image, [*map(np.array, starts)], searched=True))
 
     def judged(self, image: Image, discs: Sequence[Disc]) -> Iterator[tuple[float, Floats]]:
-        """Yield those of some discs that are balls; see `find`."""
+        """Yield those of some discs that are balls, or may be; see `find`."""
         found = list[tuple[float, Disc, Floats]]()
         for disc in discs[: self._limits.compared]:
             evidence = self._evidence(image, disc)
             odds = self._log_odds(image, disc, evidence)
-            if odds is not None and odds > self._limits.asked:
+            if odds is not None and odds > self._limits.asked - self._limits.doubted:
                 found.append((odds, disc, self._fitter.block.copy()))
         for odds, disc, block in sorted(found, key=lambda each: -each[0]):
             self._fitter.block[:] = block

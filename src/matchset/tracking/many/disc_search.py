@@ -166,9 +166,13 @@ class DiscSearch:
         unclear = [place for place in unclear if not _is_known(Circle(*place), taken[len(known) :], limits.same_distance)]
         discs = self._detector.led(image, unclear, limits.first_looks if first else limits.looks)
         fresh = [disc for disc in discs if not _is_known(Circle(*disc.circle), taken, limits.same_distance)]
+        self.doubtful = []
         for log_odds, spread in self._detector.judged(image, fresh):
             track = track_of(self._fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-            found.append(Found(log_odds, track))
+            if log_odds > limits.discs.asked:
+                found.append(Found(log_odds, track))
+            else:
+                self.doubtful.append(track)
         shapes = [each.track.shape for each in found]
         self._in_vain += [
             (place, self._searched)

@@ -71,12 +71,15 @@ class Linking:
     bank : MotionBank
     births : bool
         Whether what is found may be a new target; otherwise only what somebody said shall be followed.
+    left_out : int
+        How many were found at last for which there was no room.
     """
 
     def __init__(self, most: int, motion: ManyMotionParameters, limits: LinkingParameters) -> None:
         self.most, self.limits = most, limits
         self.bank = MotionBank(4 * most, motion)
         self.births = True
+        self.left_out = 0
         self.targets: list[Followed] = []
         self.tracklets: list[Tracklet] = []
         assigned(np.zeros((1, 1)))  # so that no frame waits for SciPy
@@ -84,6 +87,11 @@ class Linking:
     def hidden(self) -> list[Followed]:
         """Targets that are not seen."""
         return [each for each in self.targets if each.tracklet is None]
+
+    def candidates(self) -> list[Followed]:
+        """Targets, and new ones that tracklets in doubt are taken for now."""
+        new = [owner for each in self.tracklets if (owner := each.target) is not None and owner not in self.targets]
+        return [*self.targets, *new]
 
     def end(self, ended: Sequence[Tracklet], time: float) -> list[Followed]:
         """End tracklets, at a time, s; return the targets that were lost with them. Of one in doubt nothing is kept."""
@@ -143,6 +151,7 @@ class Linking:
     def begin(self, fresh: Sequence[Sighting], predicted: Predicted, time: float) -> None:
         """Begin tracklets with what nobody follows yet: each is of a target that is not seen for certain, or new."""
         begun = list[Tracklet]()
+        left_out = 0
         for sighting in fresh:
             tracklet = Tracklet(sighting.label, sighting)
             for each in () if sighting.identity is not None else self.targets:
@@ -154,7 +163,9 @@ class Linking:
                     slot = self._slot_after(each, sighting, explained.halted, time)
                     tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
             may_be_new = sighting.sure and (self.births or sighting.identity is not None)
-            if may_be_new and self._count_with([*self.tracklets, *begun]) < self.most:
+            is_full = self._count_with([*self.tracklets, *begun]) >= self.most
+            left_out += may_be_new and is_full and not tracklet.hypotheses
+            if may_be_new and not is_full:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
                 tracklet.hypotheses[new] = Hypothesis(new.slot, score)
@@ -165,6 +176,8 @@ class Linking:
                         each.probe = each.probed = None
                 begun.append(tracklet)
         self.tracklets += begun
+        if fresh or len(self.targets) < self.most:
+            self.left_out = left_out
 
     def take(self, sighting: Sighting, hidden: bool) -> None:
         """Take over a target that was seen before; `hidden`: it is not seen any more."""

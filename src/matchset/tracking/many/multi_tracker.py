@@ -62,6 +62,10 @@ class MultiTracker(Copied):
         By label.
     finds : bool
         See there; it may be changed.
+    doubtful : list of Track
+        What the last search saw that may be one of the balls.
+    left_out : int
+        How many more were found at last than `most`.
 
     Raises
     ------
@@ -121,6 +125,16 @@ class MultiTracker(Copied):
     @finds.setter
     def finds(self, finds: bool) -> None:
         self._linking.births = self._observer.finds = finds
+
+    @property
+    def doubtful(self) -> list[Track[Any]]:
+        """What the last search saw that may be one of the balls, and that is not followed: `add` follows one."""
+        return list(self._observer.searches.doubtful)
+
+    @property
+    def left_out(self) -> int:
+        """How many more were found at last than are followed, since there are `most`."""
+        return self._linking.left_out
 
     def add(
         self, what: tuple[float, float] | Shape | Track[Any], label: str | None = None, *, hidden: bool = False
@@ -293,7 +307,7 @@ class MultiTracker(Copied):
 
     def _answers(self, frame: Frame, predicted: Predicted) -> list[Target[Any]]:
         answers = list[Target[Any]]()
-        for each in self._linking.targets:
+        for each in self._linking.candidates():
             if each.identity is None and each.sightings >= self.parameters.confirm:
                 each.identity, self._count = self._count, self._count + 1
             if each.identity is None:

@@ -134,7 +134,8 @@ class Observer:
             self._add(frame, fresh, sighting, known)
         for sighting in self._probe(frame, predicted, (hidden, known), passed):
             self._add(frame, fresh, sighting, known)
-        for sighting in self.searches.search(frame, predicted, hidden, [*known, *fresh], finds=self.finds):
+        lost = [each.owner() for each in ended if each.is_certain]
+        for sighting in self.searches.search(frame, predicted, (hidden, lost), [*known, *fresh], finds=self.finds):
             self._add(frame, fresh, sighting, known)
         return Observed(continued, ended, fresh)
 

@@ -66,17 +66,30 @@ class Searches:
         self,
         frame: Frame,
         predicted: Predicted,
-        hidden: Sequence[Followed],
+        unseen: tuple[Sequence[Followed], Sequence[Followed]],
         known: Sequence[Sighting],
         *,
         finds: bool,
     ) -> list[Sighting]:
-        """Search for what nobody follows, and a quarter of the image around one that is hidden."""
+        """Search for what nobody follows, and a quarter of the image around one that is hidden.
+
+        Parameters
+        ----------
+        frame : Frame
+        predicted : Predicted
+        unseen : (sequence of Followed, sequence of Followed)
+            Targets that were hidden before this frame, and those that were lost in it.
+        known : sequence of Sighting
+            What is seen.
+        finds : bool
+            Whether new targets are searched for.
+        """
+        hidden = unseen[0]
         places = [each.place for each in known]
         found = list[Sighting]()
         self._frames += 1
         if finds:
-            found += self._new_discs(frame, predicted, hidden, known)
+            found += self._new_discs(frame, predicted, [*unseen[1], *hidden], known)
         found += self._strip(frame, hidden, places, finds=finds)
         if hidden:
             sought = min(hidden, key=lambda each: (each.identity is not None, each.sought, -each.seen))

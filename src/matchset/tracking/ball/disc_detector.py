@@ -164,13 +164,16 @@ class DiscDetector:
             if odds > self._limits.asked:
                 yield odds, spread
 
-    def places(self, image: Image, radius: float, turn: int, covered: Sequence[Circle3]) -> list[Circle3]:
-        """Circles of about a radius where the target's color stands out; see `places_of_color`."""
+    def places(
+        self, image: Image, radius: float, turn: int, covered: Sequence[Circle3], most: int
+    ) -> list[Circle3]:
+        """Circles of about a radius where the target's color stands out, so many at most; see `places_of_color`."""
         if self._lab is None:
             return []
         height, width = image.shape[:2]
         everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
-        return places_of_color(image, (self._lab, self._model), everywhere, turn, covered, self._limits.places)
+        limits = msgspec.structs.replace(self._limits.places, most=most)
+        return places_of_color(image, (self._lab, self._model), everywhere, turn, covered, limits)
 
     def led(self, image: Image, starts: Sequence[Circle3], looks: int) -> list[Disc]:
         """Discs to which the network is led from circles, apart from each other, the likeliest first.

@@ -68,6 +68,9 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     scales: tuple[float, ...] = (1.0, 0.6, 1.0, 1.6)
     least_px: float = 3.0
     again: int = 6
+    places: int = 3
+    most_places: int = 8
+    first_places: int = 30
     size_step: float = 1.3
     sizes: int = 3
     same_place: float = 0.4
@@ -128,10 +131,19 @@ class DiscSearch:
     def smallest(self, sizes: Sequence[float]) -> float:
         """Radius of the smallest ball that is looked for, px, if those of some radii are known."""
         limits = self.parameters
-        return max(min(limits.scales) * (float(np.median(sizes)) if sizes else self._clicked), limits.least_px)
+        return max(min(limits.scales) * self.usual(sizes), limits.least_px)
+
+    def usual(self, sizes: Sequence[float]) -> float:
+        """Usual radius of those that are looked for, px, if those of some are known."""
+        return float(np.median(sizes)) if sizes else self._clicked
 
     def update(
-        self, frame: Frame, known: Sequence[Gate], sizes: Sequence[float] = (), lost: Sequence[Gate] = ()
+        self,
+        frame: Frame,
+        known: Sequence[Gate],
+        sizes: Sequence[float] = (),
+        lost: Sequence[Gate] = (),
+        missing: float = 0.0,
     ) -> list[Found]:
         """Search a picture.
 
@@ -144,6 +156,8 @@ class DiscSearch:
             Radii of those of them that have the color that is looked for, px.
         lost : sequence of Gate
             Where balls are expected that were seen lately.
+        missing : float
+            How many balls the color that nothing explains would make.
 
         Returns
         -------
@@ -156,7 +170,9 @@ class DiscSearch:
         found, unclear = list[Found](), list[Circle3]()
         taken = list(known)
         first = self._searched == 0
-        for place in self._places(image, known, sizes, lost, everything=first):
+        most = limits.first_places if first else min(limits.places + round(missing), limits.most_places)
+        looks = limits.first_looks if first else limits.looks * most // limits.places
+        for place in self._places(image, known, sizes, lost, most):
             outline = self._outlined(image, place, frame)
             if outline is None:
                 unclear.append(place)
@@ -164,7 +180,7 @@ class DiscSearch:
                 found.append(outline)
                 taken.append(Gate(*outline.track.shape.state[:3].tolist()))
         unclear = [place for place in unclear if not _is_known(Circle(*place), taken[len(known) :], limits.same_distance)]
-        discs = self._detector.led(image, unclear, limits.first_looks if first else limits.looks)
+        discs = self._detector.led(image, unclear, looks)
         fresh = [disc for disc in discs if not _is_known(Circle(*disc.circle), taken, limits.same_distance)]
         self.doubtful = []
         for log_odds, spread in self._detector.judged(image, fresh):
@@ -176,22 +192,24 @@ class DiscSearch:
         shapes = [each.track.shape for each in found]
         self._in_vain += [
             (place, self._searched)
-            for place in unclear
-            if all(math.dist(place[:2], (shape.x, shape.y)) > place[2] for shape in shapes)
+            for place in unclear[:looks]
+            if not any(are_same(place, (each.x, each.y, each.half_width), 1.0) for each in lost)
+            and all(math.dist(place[:2], (shape.x, shape.y)) > place[2] for shape in shapes)
         ]
         self._searched += 1
         self._fitter.forget()
         return found
 
     def _places(
-        self, image: Image, known: Sequence[Gate], sizes: Sequence[float], lost: Sequence[Gate], *, everything: bool
+        self, image: Image, known: Sequence[Gate], sizes: Sequence[float], lost: Sequence[Gate], most: int
     ) -> list[Circle3]:
         """Circles where the color stands out; of all sizes in the first picture, then of one of them by turns."""
         limits = self.parameters
-        usual = float(np.median(sizes)) if sizes else self._clicked
+        usual = self.usual(sizes)
         turn, which = divmod(self._searched, len(limits.scales))
         covered = [(each.x, each.y, limits.covered * each.half_width) for each in known]
         covered += [(x, y, limits.vain * radius) for (x, y, radius), _ in self._in_vain]
+        everything = self._searched == 0
         scales = dict.fromkeys(limits.scales) if everything else (limits.scales[which],)
         radii = list[float]()
         for radius in [*(each.half_width for each in lost), *(scale * usual for scale in scales)]:
@@ -200,7 +218,7 @@ class DiscSearch:
                 radii.append(radius)
         places = [(each.x, each.y, each.half_width) for each in lost]
         for radius in radii[: None if everything else limits.sizes]:
-            for place in self._detector.places(image, radius, turn, covered):
+            for place in self._detector.places(image, radius, turn, covered, most):
                 if not any(are_same(place, other, limits.same_place) for other in places):
                     places.append(place)
         return places

@@ -113,7 +113,11 @@ class Searches:
             sizes = [each.place.half_width for each in known if each.label == label]
             if not (of_color or self._is_due(image, label, places, search.smallest(sizes))):
                 continue
-            discs = search.update(frame, places, sizes, [predicted.likeliest(each.slot)[0] for each in lost])
+            radius = search.smallest(sizes)
+            more = self._count(image, label, places, radius) - self._left_over[label]
+            missing = max(more, 0) * self._step(radius) ** 2 / (math.pi * search.usual(sizes) ** 2)
+            expected = [predicted.likeliest(each.slot)[0] for each in lost]
+            discs = search.update(frame, places, sizes, expected, missing)
             found += [self._sighting(each.track, label) for each in discs]
             self.doubtful = search.doubtful
             places += [each.place for each in found]

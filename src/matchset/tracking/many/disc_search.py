@@ -80,6 +80,10 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     range_share: float = 0.3
     least_range_px: float = 2.0
     clear_msac: float = 0.7
+    alike: float = 0.15
+    alike_odds: float = 1.0
+    expected_near: float = 2.0
+    expected_odds: float = 2.0
     settled: int = 4
     noticed: float = 0.3
     explained: float = 1.2
@@ -185,6 +189,7 @@ class DiscSearch:
         self.doubtful = []
         for log_odds, spread in self._detector.judged(image, fresh):
             track = track_of(self._fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
+            log_odds += self._prior(track.shape, sizes, lost)
             if log_odds > limits.discs.asked:
                 found.append(Found(log_odds, track))
             else:
@@ -222,6 +227,18 @@ class DiscSearch:
                 if not any(are_same(place, other, limits.same_place) for other in places):
                     places.append(place)
         return places
+
+    def _prior(self, shape: Circle, sizes: Sequence[float], lost: Sequence[Gate]) -> float:
+        """What is known beforehand of a disc: others are as large, or it is expected there, in this size."""
+        limits = self.parameters
+        prior = 0.0
+        if any(abs(math.log(shape.radius / size)) < limits.alike for size in sizes):
+            prior = limits.alike_odds
+        for each in lost:
+            near = math.hypot(shape.x - each.x, shape.y - each.y) < limits.expected_near * each.half_width
+            if near and abs(math.log(shape.radius / each.half_width)) < limits.alike:
+                prior = limits.expected_odds
+        return prior
 
     def _outlined(self, image: Image, place: Circle3, frame: Frame) -> Found | None:
         """Ball at a place if its outline is clear."""

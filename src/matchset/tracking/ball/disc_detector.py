@@ -164,9 +164,7 @@ class DiscDetector:
             if odds > self._limits.asked:
                 yield odds, spread
 
-    def places(
-        self, image: Image, radius: float, turn: int, covered: Sequence[Circle3], most: int
-    ) -> list[Circle3]:
+    def places(self, image: Image, radius: float, turn: int, covered: Sequence[Circle3], most: int) -> list[Circle3]:
         """Circles of about a radius where the target's color stands out, so many at most; see `places_of_color`."""
         if self._lab is None:
             return []

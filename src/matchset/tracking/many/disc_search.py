@@ -37,45 +37,76 @@ Image = npt.NDArray[np.uint8]
 class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How balls that nobody follows are found.
 
+    Chosen by hand on composed crowds, seeds 600 to 603, and on a program of balls thrown on a table that is not in this
+    repository (docs/log/tracking.md#real-crowds).
+
     Parameters
     ----------
+    places : int
+        Places of each size that are looked at in a picture while nothing is missing: more finds small ones beside
+        large ones sooner, and leaves fewer looks to each.
+    most_places : int
+        The same where as many balls are missing, by the color that nothing explains.
+    first_places : int
+        The same in the first picture.
     looks : int
-        Looks of the network in a picture: more finds more balls at once, each takes 0.4 ms.
+        Looks of the network in a picture while nothing is missing; it grows with the places. More finds more balls at
+        once, each takes 0.4 ms.
     first_looks : int
         The same in the first picture.
     scales : tuple of float
-        Sizes that are looked for by turns, in the usual size of those that are known.
+        Sizes that are looked for by turns, in the usual size of those that are followed.
+    sizes : int
+        Sizes that are looked for in a picture at most: those of lost balls come first.
+    size_step : float
+        Factor between sizes from which both are looked for.
     least_px : float
         Least radius that is looked for, px.
     again : int
         Pictures after which a place is looked at again at which no ball was seen: less finds one sooner that has come
-        there, more leaves more looks to other places.
+        there, more leaves more looks to other places. As often a search is due in any case.
     covered, vain : float
         Share of its radius within which no place is proposed, around a ball that is known and around a place that was
         looked at in vain.
+    same_place : float
+        Circles that differ by less, in the larger radius, are one place.
     same_distance : float
         Discs nearer to one that is known than so many of the larger radius are that one.
     range_share, least_range_px : float
         Search range of the fit at a place, in its radius and at least px.
     clear_msac : float
         MSAC score of a confirmed fit from which the network is not asked.
+    alike, alike_odds : float
+        How near to the size of one that is followed a disc must be, as a logarithm, to be one more of these; and the
+        log-odds that this is worth.
+    expected_near, expected_odds : float
+        How near to where a lost ball is expected a disc must be, in half-widths, and what that is worth.
+    settled : int
+        First pictures, in which a search is always due.
+    noticed : float
+        Share of the smallest ball's area by which color that nothing explains must have grown for a search to be due:
+        less notices balls sooner at the border, more costs less in noise.
+    explained : float
+        How far the color around a ball that is known is its own, in its radius: its blur and shadow.
+    radius_cells : float
+        Radius of the smallest ball in steps of the grid on which that color is counted.
     discs : DiscDetectorParameters
         How places are proposed, and which discs are balls.
     """
 
-    looks: int = 8
-    first_looks: int = 200
-    scales: tuple[float, ...] = (1.0, 0.6, 1.0, 1.6)
-    least_px: float = 3.0
-    again: int = 6
     places: int = 3
     most_places: int = 8
     first_places: int = 30
-    size_step: float = 1.3
+    looks: int = 8
+    first_looks: int = 200
+    scales: tuple[float, ...] = (1.0, 0.6, 1.0, 1.6)
     sizes: int = 3
-    same_place: float = 0.4
+    size_step: float = 1.3
+    least_px: float = 3.0
+    again: int = 6
     covered: float = 0.8
     vain: float = 0.5
+    same_place: float = 0.4
     same_distance: float = 0.7
     range_share: float = 0.3
     least_range_px: float = 2.0
@@ -91,22 +122,29 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     discs: DiscDetectorParameters = DiscDetectorParameters(
         compared=30,
         network=NetworkParameters(moved=1.5),
-        places=ColorPlaceParameters(lightness=30.0, chroma=15.0, most=3, least=0.05, cells=20_000),
+        places=ColorPlaceParameters(lightness=30.0, chroma=15.0, least=0.05, cells=20_000),
     )
 
 
-class Found(NamedTuple):
-    """A ball that was found.
+class Sought(NamedTuple):
+    """What is known of a crowd before a picture is searched.
 
     Attributes
     ----------
-    log_odds : float
-        That it is one.
-    track : Track
+    known : sequence of Gate
+        What is followed already, of any color.
+    sizes : sequence of float
+        Radii of those of them that have the color that is looked for, px.
+    lost : sequence of Gate
+        Where balls of that color are expected that were seen lately.
+    missing : float
+        How many balls the color that nothing explains would make.
     """
 
-    log_odds: float
-    track: Track[Circle]
+    known: Sequence[Gate]
+    sizes: Sequence[float] = ()
+    lost: Sequence[Gate] = ()
+    missing: float = 0.0
 
 
 class DiscSearch:
@@ -119,130 +157,125 @@ class DiscSearch:
     points : int
         Lines across the outline of a ball.
     parameters : DiscSearchParameters, optional
+
+    Attributes
+    ----------
+    doubtful : list of Track
+        What the last search saw that may be a ball, and was not taken for one.
     """
 
     def __init__(self, color: ColorModel, points: int, parameters: DiscSearchParameters | None = None) -> None:
         assert color.sample is not None
         self.parameters = parameters or DiscSearchParameters()
+        self.doubtful = list[Track[Any]]()
         self._color = color
         self._fitter: Fitter[Any] = tracking_fitter(Circle, points)
-        self.doubtful = list[Track[Any]]()
         self._detector = DiscDetector(self._fitter, color, self.parameters.discs)
         self._clicked = color.sample.radius
         self._searched = 0
         self._in_vain = list[tuple[Circle3, int]]()
 
-    def smallest(self, sizes: Sequence[float]) -> float:
-        """Radius of the smallest ball that is looked for, px, if those of some radii are known."""
-        limits = self.parameters
-        return max(min(limits.scales) * self.usual(sizes), limits.least_px)
-
     def usual(self, sizes: Sequence[float]) -> float:
-        """Usual radius of those that are looked for, px, if those of some are known."""
+        """Radius that is looked for first, px: the median of those that are known, or that at the click."""
         return float(np.median(sizes)) if sizes else self._clicked
 
-    def update(
-        self,
-        frame: Frame,
-        known: Sequence[Gate],
-        sizes: Sequence[float] = (),
-        lost: Sequence[Gate] = (),
-        missing: float = 0.0,
-    ) -> list[Found]:
+    def smallest(self, sizes: Sequence[float]) -> float:
+        """Radius of the smallest ball that is looked for, px."""
+        return max(min(self.parameters.scales) * self.usual(sizes), self.parameters.least_px)
+
+    def update(self, frame: Frame, sought: Sought) -> list[Track[Any]]:
         """Search a picture.
 
         Parameters
         ----------
         frame : Frame
-        known : sequence of Gate
-            What is followed already.
-        sizes : sequence of float
-            Radii of those of them that have the color that is looked for, px.
-        lost : sequence of Gate
-            Where balls are expected that were seen lately.
-        missing : float
-            How many balls the color that nothing explains would make.
+        sought : Sought
 
         Returns
         -------
-        list of Found
-            Balls that are none of these, those with a clear outline first.
+        list of Track
+            Balls that are none of those that are known.
         """
         limits, image = self.parameters, channels_last(frame.image)
         self._fitter.take_rows(frame.rows)
         self._in_vain = [each for each in self._in_vain if self._searched - each[1] < limits.again]
-        found, unclear = list[Found](), list[Circle3]()
-        taken = list(known)
-        first = self._searched == 0
-        most = limits.first_places if first else min(limits.places + round(missing), limits.most_places)
-        looks = limits.first_looks if first else limits.looks * most // limits.places
-        for place in self._places(image, known, sizes, lost, most):
-            outline = self._outlined(image, place, frame)
-            if outline is None:
-                unclear.append(place)
-            elif not _is_known(outline.track.shape, taken, limits.same_distance):
-                found.append(outline)
-                taken.append(Gate(*outline.track.shape.state[:3].tolist()))
-        unclear = [place for place in unclear if not _is_known(Circle(*place), taken[len(known) :], limits.same_distance)]
-        discs = self._detector.led(image, unclear, looks)
-        fresh = [disc for disc in discs if not _is_known(Circle(*disc.circle), taken, limits.same_distance)]
+        most, looks = limits.first_places, limits.first_looks
+        if self._searched:
+            most = min(limits.places + round(sought.missing), limits.most_places)
+            looks = limits.looks * most // limits.places
+        found, unclear = self._clear(frame, self._places(image, sought, most), sought.known)
+        taken = [*sought.known, *map(_gate, found)]
         self.doubtful = []
+        fresh = [disc for disc in self._detector.led(image, unclear, looks) if not self._is_known(disc.circle, taken)]
         for log_odds, spread in self._detector.judged(image, fresh):
             track = track_of(self._fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-            log_odds += self._prior(track.shape, sizes, lost)
-            if log_odds > limits.discs.asked:
-                found.append(Found(log_odds, track))
-            else:
-                self.doubtful.append(track)
-        shapes = [each.track.shape for each in found]
-        self._in_vain += [
-            (place, self._searched)
-            for place in unclear[:looks]
-            if not any(are_same(place, (each.x, each.y, each.half_width), 1.0) for each in lost)
-            and all(math.dist(place[:2], (shape.x, shape.y)) > place[2] for shape in shapes)
-        ]
+            is_ball = log_odds + self._prior(track.shape, sought) > limits.discs.asked
+            (found if is_ball else self.doubtful).append(track)
+        self._note_in_vain(unclear[:looks], found, sought.lost)
         self._searched += 1
         self._fitter.forget()
         return found
 
-    def _places(
-        self, image: Image, known: Sequence[Gate], sizes: Sequence[float], lost: Sequence[Gate], most: int
-    ) -> list[Circle3]:
-        """Circles where the color stands out; of all sizes in the first picture, then of one of them by turns."""
+    def _clear(
+        self, frame: Frame, places: Sequence[Circle3], known: Sequence[Gate]
+    ) -> tuple[list[Track[Any]], list[Circle3]]:
+        """Balls whose outline is clear at some places, and the places at which none is."""
+        found, unclear = list[Track[Any]](), list[Circle3]()
+        for place in places:
+            track = self._outlined(frame, place)
+            if track is None:
+                unclear.append(place)
+            elif not self._is_known(tuple(track.shape.state[:3].tolist()), [*known, *map(_gate, found)]):
+                found.append(track)
+        fresh = list(map(_gate, found))
+        return found, [place for place in unclear if not self._is_known(place, fresh)]
+
+    def _places(self, image: Image, sought: Sought, most: int) -> list[Circle3]:
+        """Circles where lost balls are expected and where the color stands out, so many at most of each size.
+
+        All sizes are looked for in the first picture, then one of them by turns beside those of lost balls.
+        """
         limits = self.parameters
-        usual = self.usual(sizes)
         turn, which = divmod(self._searched, len(limits.scales))
-        covered = [(each.x, each.y, limits.covered * each.half_width) for each in known]
+        covered = [(each.x, each.y, limits.covered * each.half_width) for each in sought.known]
         covered += [(x, y, limits.vain * radius) for (x, y, radius), _ in self._in_vain]
-        everything = self._searched == 0
-        scales = dict.fromkeys(limits.scales) if everything else (limits.scales[which],)
+        scales = dict.fromkeys(limits.scales) if not self._searched else (limits.scales[which],)
         radii = list[float]()
-        for radius in [*(each.half_width for each in lost), *(scale * usual for scale in scales)]:
-            radius = max(radius, limits.least_px)
+        for size in [
+            *(each.half_width for each in sought.lost),
+            *(scale * self.usual(sought.sizes) for scale in scales),
+        ]:
+            radius = max(size, limits.least_px)
             if all(abs(math.log(radius / other)) > math.log(limits.size_step) for other in radii):
                 radii.append(radius)
-        places = [(each.x, each.y, each.half_width) for each in lost]
-        for radius in radii[: None if everything else limits.sizes]:
+        places = [(each.x, each.y, each.half_width) for each in sought.lost]
+        for radius in radii[: limits.sizes if self._searched else None]:
             for place in self._detector.places(image, radius, turn, covered, most):
                 if not any(are_same(place, other, limits.same_place) for other in places):
                     places.append(place)
         return places
 
-    def _prior(self, shape: Circle, sizes: Sequence[float], lost: Sequence[Gate]) -> float:
-        """What is known beforehand of a disc: others are as large, or it is expected there, in this size."""
-        limits = self.parameters
-        prior = 0.0
-        if any(abs(math.log(shape.radius / size)) < limits.alike for size in sizes):
-            prior = limits.alike_odds
-        for each in lost:
-            near = math.hypot(shape.x - each.x, shape.y - each.y) < limits.expected_near * each.half_width
-            if near and abs(math.log(shape.radius / each.half_width)) < limits.alike:
-                prior = limits.expected_odds
-        return prior
+    def _note_in_vain(self, places: Sequence[Circle3], found: Sequence[Track[Any]], lost: Sequence[Gate]) -> None:
+        """Note places that were looked at in vain, but for those at which a lost ball may be seen in the next one."""
+        near = [*map(_gate, found), *lost]
+        for place in places:
+            if all(math.hypot(place[0] - each.x, place[1] - each.y) > place[2] for each in near):
+                self._in_vain.append((place, self._searched))
 
-    def _outlined(self, image: Image, place: Circle3, frame: Frame) -> Found | None:
+    def _prior(self, shape: Circle, sought: Sought) -> float:
+        """Say what is known beforehand of a disc: others are as large, or it is expected there, in this size."""
+        limits = self.parameters
+        is_alike = any(abs(math.log(shape.radius / size)) < limits.alike for size in sought.sizes)
+        is_expected = any(
+            math.hypot(shape.x - each.x, shape.y - each.y) < limits.expected_near * each.half_width
+            and abs(math.log(shape.radius / each.half_width)) < limits.alike
+            for each in sought.lost
+        )
+        return max(limits.alike_odds * is_alike, limits.expected_odds * is_expected)
+
+    def _outlined(self, frame: Frame, place: Circle3) -> Track[Any] | None:
         """Ball at a place if its outline is clear."""
-        limits, fitter = self.parameters, self._fitter
+        limits, fitter, image = self.parameters, self._fitter, channels_last(frame.image)
         reach = max(limits.range_share * place[2], limits.least_range_px)
         fitter.forget()
         state = Circle.from_coarse(*place).state
@@ -252,13 +285,17 @@ class DiscSearch:
         estimate = fitter.weigh(estimate, image, self._color)
         if fitter.validate_detection(estimate, Prior.NONE):
             return None
-        track = track_of(fitter, None, frame.time, pixel_aspect=frame.pixel_aspect)
-        return Found(estimate.evidence or 0.0, track)
+        return track_of(fitter, None, frame.time, pixel_aspect=frame.pixel_aspect)
+
+    def _is_known(self, circle: Circle3, others: Sequence[Gate]) -> bool:
+        """Whether a circle is one of the others, or inside one, or around one."""
+        x, y, radius = circle
+        return any(
+            math.hypot(x - each.x, y - each.y) < self.parameters.same_distance * max(radius, each.half_width)
+            for each in others
+        )
 
 
-def _is_known(circle: Circle, others: Sequence[Gate], same: float) -> bool:
-    """Whether a circle is one of the others, or inside one, or around one."""
-    return any(
-        math.hypot(circle.x - each.x, circle.y - each.y) < same * max(circle.radius, each.half_width)
-        for each in others
-    )
+def _gate(track: Track[Any]) -> Gate:
+    x, y, radius = track.shape.state[:3].tolist()
+    return Gate(x, y, radius)

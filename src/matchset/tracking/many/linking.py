@@ -46,7 +46,7 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     least: float = -30.0
     gate: float = 25.0
     touching: float = 0.9
-    clear: float = 5.0
+    clear: float = 3.0
     stays: float = 2.0
     decide: int = 12
     new_log: float = 8.0

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
 from matchset.shapes.circle import Circle
-from matchset.tracking.many.disc_search import DiscSearch
+from matchset.tracking.many.disc_search import DiscSearch, Sought
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.sightings import Sighting, sighting_of
@@ -47,7 +47,9 @@ class Searches:
         self, families: Mapping[str, type[Any]], colors: Mapping[str, ColorModel], parameters: MultiTrackerParameters
     ) -> None:
         self._colors, self._limits = colors, parameters
-        self._strips = {label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()}
+        self._strips = {
+            label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
+        }
         self._discs = {
             label: DiscSearch(color, parameters.points, parameters.discs)
             for label, color in colors.items()
@@ -117,8 +119,8 @@ class Searches:
             more = self._count(image, label, places, radius) - self._left_over[label]
             missing = max(more, 0) * self._step(radius) ** 2 / (math.pi * search.usual(sizes) ** 2)
             expected = [predicted.likeliest(each.slot)[0] for each in lost]
-            discs = search.update(frame, places, sizes, expected, missing)
-            found += [self._sighting(each.track, label) for each in discs]
+            tracks = search.update(frame, Sought(places, sizes, expected, missing))
+            found += [self._sighting(track, label) for track in tracks]
             self.doubtful = search.doubtful
             places += [each.place for each in found]
             self._left_over[label] = self._count(image, label, places, search.smallest(sizes))

@@ -138,7 +138,7 @@ class DiscDetector:
         self._network = Judge(limits.network)
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius
-        self._lab = None if sample is None else self._median(sample.image, sample.circle)
+        self._lab = None if sample is None else self.middle(sample.image, sample.circle)
         self._network.know(sample)
 
     def find(self, image: Image, proposed: Sequence[Circle3] = ()) -> Iterator[tuple[float, Floats]]:
@@ -190,18 +190,44 @@ class DiscDetector:
         """Yield those of some discs that are balls, or may be; see `find`."""
         found = list[tuple[float, Disc, Floats]]()
         for disc in discs[: self._limits.compared]:
-            evidence = self._evidence(image, disc)
+            evidence = self.evidence(image, disc)
             odds = self._log_odds(image, disc, evidence)
             if odds is not None and odds > self._limits.asked - self._limits.doubted:
                 found.append((odds, disc, self._fitter.block.copy()))
         for odds, disc, block in sorted(found, key=lambda each: -each[0]):
             self._fitter.block[:] = block
-            if squared_distances(disc, self._fitter.state[:DISC]) < self._limits.agrees:
-                yield odds, np.zeros((DISC, DISC))
-                continue
-            self._fitter.state[:DISC] = disc.circle
-            self._fitter.work.covariance[:] = 0.0
-            yield odds, covariance_of(disc)
+            yield odds, self.settle(disc)
+
+    def settle(self, disc: Disc) -> Floats:
+        """Have the workspace, which holds the fit near a disc, hold that or the disc: the fit where both agree.
+
+        Returns
+        -------
+        ndarray of shape (3, 3)
+            Covariance beside that of the workspace, px^2.
+        """
+        if squared_distances(disc, self._fitter.state[:DISC]) < self._limits.agrees:
+            return np.zeros((DISC, DISC))
+        self._fitter.state[:DISC] = disc.circle
+        self._fitter.work.covariance[:] = 0.0
+        return covariance_of(disc)
+
+    def middle(self, image: Image, circle: Circle3) -> Floats | None:
+        """Median color of the middle of a disc, CIE Lab; None outside of the picture."""
+        pixels = middle_pixels(image, circle, self._limits.middle)
+        if not len(pixels):
+            return None
+        return np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0).astype(np.float64)
+
+    def evidence(self, image: Image, disc: Disc) -> float:
+        """Evidence for an outline of the target's color at a disc, within its bounds; the workspace holds the fit."""
+        limits, fitter = self._limits, self._fitter
+        reach = max(limits.least_reach_px, limits.reach * disc.circle[2])
+        fitter.forget()
+        state = fitter.family.from_coarse(*disc.circle).state
+        estimate = fitter.weigh(fitter.fit(image, self._model, state, SearchWindow(reach)), image, self._model)
+        evidence = estimate.evidence if estimate.is_fitted else None
+        return min(max(evidence or limits.least_evidence, limits.least_evidence), limits.most_evidence)
 
     def _starts(self, image: Image, proposed: Sequence[Circle3]) -> list[Circle3]:
         """Circles from which the network is led."""
@@ -231,16 +257,9 @@ class DiscDetector:
                 kept.append(mean_disc(discs, like, self._limits.network.same))
         return kept
 
-    def _median(self, image: Image, circle: Circle3) -> Floats | None:
-        """Median color of the middle of a disc, CIE Lab; None outside of the picture."""
-        pixels = middle_pixels(image, circle, self._limits.middle)
-        if not len(pixels):
-            return None
-        return np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0).astype(np.float64)
-
     def _log_odds(self, image: Image, disc: Disc, evidence: float) -> float | None:
         """Log-odds that a disc is the ball."""
-        limits, weights, lab = self._limits, self._limits.weights, self._median(image, disc.circle)
+        limits, weights, lab = self._limits, self._limits.weights, self.middle(image, disc.circle)
         if lab is None or self._lab is None:
             return None
         turned = math.atan2(lab[2], lab[1]) - math.atan2(self._lab[2], self._lab[1])
@@ -249,13 +268,3 @@ class DiscDetector:
         size = abs(math.log(disc.circle[2] / self._radius))
         odds = weights.bias + weights.network * disc.log_odds + weights.hue * hue
         return odds + weights.evidence * evidence + weights.size * size
-
-    def _evidence(self, image: Image, disc: Disc) -> float:
-        """Evidence for an outline of the target's color at a disc, within its bounds; the workspace holds the fit."""
-        limits, fitter = self._limits, self._fitter
-        reach = max(limits.least_reach_px, limits.reach * disc.circle[2])
-        fitter.forget()
-        state = fitter.family.from_coarse(*disc.circle).state
-        estimate = fitter.weigh(fitter.fit(image, self._model, state, SearchWindow(reach)), image, self._model)
-        evidence = estimate.evidence if estimate.is_fitted else None
-        return min(max(evidence or limits.least_evidence, limits.least_evidence), limits.most_evidence)

@@ -125,7 +125,9 @@ def _with_equal(
 ) -> list[tuple[float, Track[Any]]]:
     """Balls that were found, and all that are like them, with the likeliest first, and their probability."""
     equal = EqualDiscs(fitter, color, channels_last(frame.image), CHOICE.equal)
-    for merit, track in found[:limit]:
+    alike = equal.alike([_circle(track) for _, track in found])
+    found = [found[number] for number in alike][:limit]
+    for merit, track in found:
         equal.know(_circle(track), merit)
     for odds, spread in itertools.chain(equal.clicked(), equal.find(limit)):
         track = track_of(fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)

@@ -131,6 +131,11 @@ class DiscDetector:
     color : ColorModel
         With what was around the circle at the click.
     limits : DiscDetectorParameters
+
+    Attributes
+    ----------
+    lab : ndarray of shape (3,), float64, or None
+        Median color at the click, CIE Lab; None where nothing is known of it.
     """
 
     def __init__(self, fitter: Fitter[Any], color: ColorModel, limits: DiscDetectorParameters) -> None:
@@ -138,7 +143,7 @@ class DiscDetector:
         self._network = Judge(limits.network)
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius
-        self._lab = None if sample is None else self.middle(sample.image, sample.circle)
+        self.lab = None if sample is None else self.middle(sample.image, sample.circle)
         self._network.know(sample)
 
     def find(self, image: Image, proposed: Sequence[Circle3] = ()) -> Iterator[tuple[float, Floats]]:
@@ -157,7 +162,7 @@ class DiscDetector:
         ndarray of shape (3, 3)
             Covariance beside that of the workspace, px^2.
         """
-        if self._lab is None:
+        if self.lab is None:
             return
         starts = self._starts(image, proposed)
         for odds, spread in self.judged(image, self.led(image, starts, self._limits.network.looks)):
@@ -166,11 +171,11 @@ class DiscDetector:
 
     def places(self, image: Image, radius: float, turn: int, covered: Sequence[Circle3]) -> list[Circle3]:
         """Circles of about a radius where the target's color stands out; see `places_of_color`."""
-        if self._lab is None:
+        if self.lab is None:
             return []
         height, width = image.shape[:2]
         everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
-        return places_of_color(image, (self._lab, self._model), everywhere, turn, covered, self._limits.places)
+        return places_of_color(image, (self.lab, self._model), everywhere, turn, covered, self._limits.places)
 
     def led(self, image: Image, starts: Sequence[Circle3], looks: int) -> list[Disc]:
         """Discs to which the network is led from circles, apart from each other, the likeliest first.
@@ -233,13 +238,13 @@ class DiscDetector:
         """Circles from which the network is led."""
         limits, starts = self._limits, [*proposed]
         height, width = image.shape[:2]
-        assert self._lab is not None
+        assert self.lab is not None
         radius = limits.least_px
         while radius < limits.most_share * min(height, width):
             small = radius < limits.small_px
             places = msgspec.structs.replace(limits.places, most=limits.small) if small else limits.places
             everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
-            for place in places_of_color(image, (self._lab, self._model), everywhere, 0, [], places):
+            for place in places_of_color(image, (self.lab, self._model), everywhere, 0, [], places):
                 if not any(are_same(place, each, limits.same) for each in starts):
                     starts.append(place)
             radius *= limits.factor
@@ -260,11 +265,11 @@ class DiscDetector:
     def _log_odds(self, image: Image, disc: Disc, evidence: float) -> float | None:
         """Log-odds that a disc is the ball."""
         limits, weights, lab = self._limits, self._limits.weights, self.middle(image, disc.circle)
-        if lab is None or self._lab is None:
+        if lab is None or self.lab is None:
             return None
-        turned = math.atan2(lab[2], lab[1]) - math.atan2(self._lab[2], self._lab[1])
+        turned = math.atan2(lab[2], lab[1]) - math.atan2(self.lab[2], self.lab[1])
         hue = min(abs(math.remainder(turned, math.tau)), limits.most_hue)
-        hue *= min(math.hypot(self._lab[1], self._lab[2]) / limits.full_chroma, 1.0)
+        hue *= min(math.hypot(self.lab[1], self.lab[2]) / limits.full_chroma, 1.0)
         size = abs(math.log(disc.circle[2] / self._radius))
         odds = weights.bias + weights.network * disc.log_odds + weights.hue * hue
         return odds + weights.evidence * evidence + weights.size * size

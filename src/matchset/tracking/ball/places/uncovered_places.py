@@ -32,8 +32,9 @@ class UncoveredPlaceParameters(msgspec.Struct, frozen=True):
         Radius in cells: more is finer and takes longer.
     lightness, chroma : float
         Differences from the color of a disc that was found at which a cell is no longer like it, CIE Lab.
-    colors : int
-        With the colors of how many discs a cell is compared: more takes longer.
+    colors, unlike : int, float
+        With how many colors of discs a cell is compared, and how far these are apart, in shares of the differences
+        above: more colors take longer.
     covered, in_vain : float
         Share of its radius that is left out around a disc that was found, and around a place where there was none.
     least : float
@@ -49,6 +50,7 @@ class UncoveredPlaceParameters(msgspec.Struct, frozen=True):
     lightness: float = 40.0
     chroma: float = 20.0
     colors: int = 12
+    unlike: float = 0.3
     covered: float = 0.9
     in_vain: float = 0.5
     least: float = 0.5
@@ -133,10 +135,23 @@ def _alike(
 ) -> npt.NDArray[np.uint8]:
     """Cells that look like one of the discs, or as the color model says: 1, others 0."""
     labs, color = known
-    seen, scales = lab_of(cells), np.array((limits.lightness, limits.chroma, limits.chroma), np.float32)
-    alike = np.zeros(seen.shape[:2], bool)
-    for lab in labs[: limits.colors]:
-        alike |= (((seen - lab.astype(np.float32)) / scales) ** 2).sum(axis=2) < 1.0
+    scales = np.array((limits.lightness, limits.chroma, limits.chroma))
+    light, green, yellow = cv2.split(np.asarray(lab_of(cells) / scales.astype(np.float32), np.float32))
+    alike = np.zeros(light.shape, bool)
+    for one, two, three in (lab / scales for lab in _unlike(labs, scales, limits)):
+        away = (light - np.float32(one)) ** 2
+        away += (green - np.float32(two)) ** 2
+        away += (yellow - np.float32(three)) ** 2
+        alike |= away < 1.0
     if not (color.is_local or color.gray):
         alike |= color.scores(np.ascontiguousarray(cells)).reshape(alike.shape) > 0
     return alike.astype(np.uint8)
+
+
+def _unlike(labs: Sequence[Floats], scales: Floats, limits: UncoveredPlaceParameters) -> list[Floats]:
+    """Colors of which no two are alike."""
+    kept = list[Floats]()
+    for lab in labs:
+        if len(kept) < limits.colors and all(np.hypot.reduce((lab - each) / scales) > limits.unlike for each in kept):
+            kept.append(lab)
+    return kept

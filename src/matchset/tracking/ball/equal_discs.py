@@ -22,18 +22,20 @@ from matchset.image.disc_network.network import Disc
 from matchset.image.disc_network.patch_format import Circle3
 from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
 from matchset.tracking.ball.discs import are_same
-from matchset.tracking.ball.spanning_color import spanning_color
 from matchset.tracking.ball.places.uncovered_places import UncoveredPlaceParameters, uncovered_places
+from matchset.tracking.ball.spanning_color import spanning_color
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+RIM = 64  # format: directions in which the rim of a disc is looked at
 
 
 class EqualWeights(msgspec.Struct, frozen=True):
     """Weights of what speaks for one more disc beside those that were found, and their sum where nothing does.
 
     Fitted by logistic regression on 285 discs in half of the labelled stills and in composed crowds of seeds 610 to
-    619; of 255 discs in the other half they took 113 of 118 right ones, and no other (docs/log/many.md).
+    619; of 255 discs in the other half they took 113 of 118 right ones, and no other
+    (docs/log/tracking.md#equal-discs).
 
     Parameters
     ----------
@@ -75,6 +77,8 @@ class EqualDiscsParameters(msgspec.Struct, frozen=True):
         14 from the most similar other one.
     unweighed : float
         What counts as the evidence where none is weighed: where brightness tells the target.
+    touching : float
+        Share of its radius beyond which a disc touches none, and by which it overlaps those that it touches at most.
     same : float
         Discs nearer to one that was found than so many of the larger radius are that one.
     same_place : float
@@ -104,10 +108,11 @@ class EqualDiscsParameters(msgspec.Struct, frozen=True):
     weights: EqualWeights = EqualWeights()
     asked: float = 0.0
     same_size: float = 1.2
-    most_alike: float = 20.0
+    most_alike: float = 10.0
     most_chroma: float = 30.0
     foreign: float = 20.0
     unweighed: float = 0.0
+    touching: float = 0.12
     same: float = 0.5
     same_place: float = 0.3
     batch: float = 3.0
@@ -153,6 +158,7 @@ class EqualDiscs:
         self._known = list[_Known]()
         self._tried = list[Circle3]()
         self._vain = list[float]()
+        self._done = list[float]()
         self._taught = 1
 
     def __len__(self) -> int:
@@ -220,8 +226,7 @@ class EqualDiscs:
             return
         if not np.array_equal(sample_of(self._image, circle).image, sample.image):
             return
-        near = [each for each in self._detector.led(self._image, [circle], self._limits.looks)]
-        for disc in near:
+        for disc in self._detector.led(self._image, [circle], self._limits.looks):
             if are_same(disc.circle, circle, self._limits.same_place):
                 self._evidence(disc)
                 yield self._limits.clicked, self._settled(disc, self._limits.clicked)
@@ -254,7 +259,9 @@ class EqualDiscs:
                     found += 1
                     yield odds, self._settled(disc, odds)
             self._tried += starts
-            self._vain += [radius] * (len(starts) - found if starts else 1_000_000)
+            self._vain += [radius] * (len(starts) - found)
+            if not starts:
+                self._done.append(radius)
 
     def _learn(self) -> None:
         """Learn the color anew from all discs, where it was learned of one and its surroundings, and they are more."""
@@ -274,8 +281,24 @@ class EqualDiscs:
         return spread
 
     def _evidence(self, disc: Disc) -> float:
+        """Evidence for an outline; where others that are known touch it, a step in color cannot be asked for."""
         evidence = self._detector.evidence(self._image, disc)
-        return evidence if self._fitter.weighs(self._color) else self._limits.unweighed
+        if not self._fitter.weighs(self._color):
+            return self._limits.unweighed
+        return evidence if evidence > 0.0 else evidence * self._free_share(disc.circle)
+
+    def _free_share(self, circle: Circle3) -> float:
+        """Share of the rim of a disc that touches no other one that is known."""
+        x, y, radius = circle
+        angles = np.linspace(0.0, math.tau, RIM, endpoint=False)
+        reach = (1.0 + self._limits.touching) * radius
+        rim = np.stack((x + reach * np.cos(angles), y + reach * np.sin(angles)), axis=1)
+        free = np.ones(RIM, bool)
+        for each in self._known:
+            if math.dist((x, y), each.circle[:2]) < (1.0 - self._limits.touching) * (radius + each.circle[2]):
+                continue  # it overlaps that one: where two lie on each other there is an edge
+            free &= np.hypot(*(rim - each.circle[:2]).T) > (1.0 + self._limits.touching) * each.circle[2]
+        return float(free.mean())
 
     def _of_size(self, radius: float) -> list[_Known]:
         """Discs that were found of about a radius."""
@@ -292,7 +315,8 @@ class EqualDiscs:
             sizes.append((len(alike), float(np.median(alike))))
         for count, radius in sorted(sizes, reverse=True):
             vain = sum(_are_of_size(each, radius, limits.same_size) for each in self._vain)
-            if vain < limits.patience + limits.patience_share * count:
+            done = any(_are_of_size(each, radius, limits.same_size) for each in self._done)
+            if not done and vain < limits.patience + limits.patience_share * count:
                 return radius
         return None
 

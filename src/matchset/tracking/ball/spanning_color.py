@@ -13,7 +13,9 @@ from matchset.image.disc_network.patch_format import Circle3
 Image = npt.NDArray[np.uint8]
 
 
-def spanning_color(image: Image, color: ColorModel, circles: Sequence[Circle3], shares: tuple[float, float]) -> ColorModel:
+def spanning_color(
+    image: Image, color: ColorModel, circles: Sequence[Circle3], shares: tuple[float, float]
+) -> ColorModel:
     """Learn what tells discs from what is next to them, where a click could teach that of one of them only.
 
     Parameters

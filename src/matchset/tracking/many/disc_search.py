@@ -163,7 +163,9 @@ class DiscSearch:
             elif not _is_known(outline.track.shape, taken, limits.same_distance):
                 found.append(outline)
                 taken.append(Gate(*outline.track.shape.state[:3].tolist()))
-        unclear = [place for place in unclear if not _is_known(Circle(*place), taken[len(known) :], limits.same_distance)]
+        unclear = [
+            place for place in unclear if not _is_known(Circle(*place), taken[len(known) :], limits.same_distance)
+        ]
         discs = self._detector.led(image, unclear, limits.first_looks if first else limits.looks)
         fresh = [disc for disc in discs if not _is_known(Circle(*disc.circle), taken, limits.same_distance)]
         self.doubtful = []
@@ -224,6 +226,5 @@ class DiscSearch:
 def _is_known(circle: Circle, others: Sequence[Gate], same: float) -> bool:
     """Whether a circle is one of the others, or inside one, or around one."""
     return any(
-        math.hypot(circle.x - each.x, circle.y - each.y) < same * max(circle.radius, each.half_width)
-        for each in others
+        math.hypot(circle.x - each.x, circle.y - each.y) < same * max(circle.radius, each.half_width) for each in others
     )

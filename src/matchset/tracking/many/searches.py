@@ -47,7 +47,9 @@ class Searches:
         self, families: Mapping[str, type[Any]], colors: Mapping[str, ColorModel], parameters: MultiTrackerParameters
     ) -> None:
         self._colors, self._limits = colors, parameters
-        self._strips = {label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()}
+        self._strips = {
+            label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
+        }
         self._discs = {
             label: DiscSearch(color, parameters.points, parameters.discs)
             for label, color in colors.items()

@@ -67,11 +67,11 @@ class _Cells:
         self.columns, self.rows = int(self._width / self._step), int(self._height / self._step)
         self.radius = radius / self._step
 
-    def erase(self, values: npt.NDArray[np.generic], circle: Sequence[float], share: float) -> None:
+    def erase(self, values: npt.NDArray[np.uint8] | Singles, circle: Sequence[float], share: float) -> None:
         """Write 0 within a share of the radius of a circle, px."""
         x = (circle[0] + 0.5) * self.columns / self._width - 0.5
         y = (circle[1] + 0.5) * self.rows / self._height - 0.5
-        cv2.circle(values, (round(x), round(y)), round(share * circle[2] / self._step), 0.0, -1)  # type: ignore[call-overload]
+        cv2.circle(values, (round(x), round(y)), round(share * circle[2] / self._step), 0.0, -1)
 
     def place(self, column: int, row: int) -> tuple[float, float]:
         """Middle of a cell, px."""

@@ -224,6 +224,9 @@ class EqualDiscs:
         circle, sample = self._color.circle, self._color.sample
         if circle is None or sample is None or self.is_known(circle):
             return
+        height, width = self._image.shape[:2]
+        if not (-0.5 <= circle[0] < width - 0.5 and -0.5 <= circle[1] < height - 0.5):
+            return
         if not np.array_equal(sample_of(self._image, circle).image, sample.image):
             return
         for disc in self._detector.led(self._image, [circle], self._limits.looks):

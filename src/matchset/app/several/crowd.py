@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from matchset.app.guidance.explain import PARAMETERS as EXPLAINED
 from matchset.app.guidance.why_picture import covered, percent
+from matchset.app.several.painter import shape_of
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
@@ -28,8 +29,8 @@ class CrowdParameters(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     kept : float
-        How long something doubtful is shown after a search saw it, s: the same place is searched again after 1.2 s at
-        30 frames/s. Longer: more that is none.
+        How long something doubtful is shown after a search saw it, s: a place is looked at again after 0.8 to 2.4 s at
+        30 frames/s. Longer: more that is none; where the color is gone it ends at once.
     colored : float
         Share of its middle that must still have the color. More: what has moved on goes sooner, and a spotted ball.
     counted : float
@@ -37,7 +38,7 @@ class CrowdParameters(msgspec.Struct, frozen=True, kw_only=True):
         a number that flickers.
     """
 
-    kept: float = 1.5
+    kept: float = 3.0
     colored: float = 0.4
     counted: float = 0.5
 
@@ -76,7 +77,8 @@ class DoubtfulBalls:
             How many of them are not followed on.
         """
         limits, time = self._parameters, frame.time
-        taken = [place_of(each.track.shape) for each in targets if isinstance(each.track, Track)]
+        expected = (shape_of(each) for each in targets)  # what is doubtful where one that is lost should be is that one
+        taken = [place_of(shape) for shape in expected if shape is not None]
         kept = list[Track[Any]]()
         for each in [*(new for new in self._tracker.doubtful if new.time == time), *self.tracks]:
             place = place_of(each.shape)

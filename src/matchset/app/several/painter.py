@@ -170,7 +170,7 @@ def draw_targets(
         Size of the text, px.
     """
     width = 2 if min(image.shape[:2]) <= 900 else 3
-    shown = [(each, shape) for each in targets if (shape := _shape_of(each)) is not None]
+    shown = [(each, shape) for each in targets if (shape := shape_of(each)) is not None]
     shown.sort(key=lambda pair: isinstance(pair[0].track, Track))  # what is seen lies above what is not
     for each, shape in shown:
         seen = isinstance(each.track, Track)
@@ -190,7 +190,7 @@ def draw_doubtful(image: Picture, doubtful: Sequence[Track[Any]], scale: float =
         draw_text(image, "?", (0.5 * (left + right - text_width("?", letters)), top - 0.7 * letters), letters, _WHITE)
 
 
-def _shape_of(target: Target[Any]) -> Any:
+def shape_of(target: Target[Any]) -> Any:
     """Return the outline of a target, or where it should be; None where that is not known."""
     return target.track.shape if isinstance(target.track, Track) else target.track.predicted
 

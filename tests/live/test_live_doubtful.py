@@ -42,7 +42,7 @@ class Crowd(Loop):
 def circle(x: float, y: float) -> list[float]:
     """A line around a place."""
     turns = np.linspace(0.0, 2.0 * math.pi, 20)
-    return np.column_stack((x + 11.0 * np.cos(turns), y + 9.0 * np.sin(turns))).ravel().tolist()  # type: ignore[no-any-return]
+    return np.column_stack((x + 11.0 * np.cos(turns), y + 9.0 * np.sin(turns))).ravel().tolist()
 
 
 def test_what_is_doubtful_is_told_from_the_first_picture_on_and_stays() -> None:

@@ -150,9 +150,9 @@ def test_what_is_doubtful_stays_until_it_is_followed_or_gone() -> None:
         tracker.doubtful = [found_at(4.0, *FLAT, 11.0)]
         assert see(4.0) == 1
         tracker.doubtful = []
-        followed = [] if ends else [ms.Target(0, "0", found_at(4.1, *FLAT), 0.0)]
+        followed: list[ms.Target[Any]] = [] if ends else [ms.Target(0, "0", found_at(4.1, *FLAT), 0.0)]
         assert see(4.1, *followed, **ends) == 0
-    expected = ms.Target(0, "0", ms.Lost("hidden", 5.0, ms.Circle(*FLAT, 14.0)), 0.0)
+    expected: ms.Target[Any] = ms.Target(0, "0", ms.Lost("hidden", 5.0, ms.Circle(*FLAT, 14.0)), 0.0)
     tracker.doubtful = [found_at(5.0, *FLAT, 11.0)]
     assert see(5.0, expected) == 0
 
@@ -176,8 +176,8 @@ def test_doubtful_ones_are_dashed_and_a_name_in_doubt_has_a_question_mark() -> N
         axis=1
     )
     assert 0.3 < (rim > 150).mean() < 0.8
-    sure = ms.Target(3, "blue", found_at(0.0, 160.0, 120.0), 0.0)
-    unsure = ms.Target(3, "blue", found_at(0.0, 160.0, 120.0), 0.0, alternatives=(5,))
+    sure: ms.Target[Any] = ms.Target(3, "blue", found_at(0.0, 160.0, 120.0), 0.0)
+    unsure: ms.Target[Any] = ms.Target(3, "blue", found_at(0.0, 160.0, 120.0), 0.0, alternatives=(5,))
     assert [target_words(labels)(each) for labels in (False, True) for each in (sure, unsure)] == [
         "3",
         "3?",
@@ -185,6 +185,8 @@ def test_doubtful_ones_are_dashed_and_a_name_in_doubt_has_a_question_mark() -> N
         "3? blue",
     ]
     painter, frame = TargetsPainter(SIZE, target_words(False)), ms.Frame(image, 0.0, 0)
-    rows = [TargetsRow(0, 0.0, (), doubtful) for doubtful in ((), (found_at(0.0, 160.0, 120.0),))]
+    rows: list[TargetsRow[Any]] = [
+        TargetsRow(0, 0.0, (), doubtful) for doubtful in ((), (found_at(0.0, 160.0, 120.0),))
+    ]
     one, other = (painter.paint(frame, [], row) for row in rows)
     assert (one[SIZE[1] :] != other[SIZE[1] :]).any()  # the strip says how many

@@ -12,7 +12,7 @@ from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
 from matchset.localization.markers.ball_colors import pick_marker
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
-from matchset.tracking.many.strip_search import StripSearch
+from matchset.tracking.many.searching.strip_search import StripSearch
 from matchset.tracking.motion import Gate
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)

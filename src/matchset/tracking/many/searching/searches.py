@@ -10,13 +10,13 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
 from matchset.shapes.circle import Circle
-from matchset.tracking.many.disc_search import DiscSearch, Sought
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
+from matchset.tracking.many.searching.disc_search import DiscSearch, Sought
+from matchset.tracking.many.searching.strip_search import STRIPS, StripSearch
+from matchset.tracking.many.searching.unexplained import unexplained
 from matchset.tracking.many.sightings import Sighting, sighting_of
-from matchset.tracking.many.strip_search import STRIPS, StripSearch
 from matchset.tracking.many.tracklet import Followed
-from matchset.tracking.many.unexplained import unexplained
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
 

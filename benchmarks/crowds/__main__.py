@@ -11,12 +11,12 @@ from typing import Annotated
 import typer
 
 from benchmarks.crowds.bars import TIMED, bars, cost_ratio
-from benchmarks.crowds.cases import EVERY, USUAL, cases
+from benchmarks.crowds.cases import EVERY, RENDERED, Case, cases, drawn_otherwise, real
 from benchmarks.crowds.composed.footage import folder as real_clips
 from benchmarks.crowds.composed.scenes import COMPOSED
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
-from benchmarks.crowds.labelled import folder
+from benchmarks.crowds.labelled import folder, how_to_get
 from benchmarks.crowds.page import page
 from benchmarks.crowds.physics.clip import SCENES as PHYSICS
 from benchmarks.crowds.physics.world import engine
@@ -28,10 +28,14 @@ from benchmarks.workers import one_thread
 FOLDER = Path(__file__).resolve().parents[1]
 KEPT = FOLDER / "crowds.kept"
 PAGE = FOLDER / "CROWDS.md"
+GROUPS = ("real", "physics", "rendered")
 
 
 def main(
-    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join(EVERY)}.")] = ",".join(USUAL),
+    groups: Annotated[
+        str, typer.Option(help=f"Some of {', '.join(GROUPS)}: which crowds are reported; what follows is of the last.")
+    ] = ",".join(GROUPS),
+    scenes: Annotated[str, typer.Option(help=f"Some of {', '.join(EVERY)}.")] = ",".join(RENDERED),
     balls: Annotated[str, typer.Option(help="How many, with commas.")] = "2,5,10,20",
     seeds: Annotated[str, typer.Option(help="As '200-204'; peers were tuned on 100 and 101.")] = "200-204",
     followers: Annotated[str, typer.Option(help=f"Some of {', '.join(NAMES)}.")] = ",".join(NAMES),
@@ -44,7 +48,8 @@ def main(
     """Follow crowds, and print the table."""
     one_thread()
     try:
-        listed = cases(_here(_words(scenes)), [int(each) for each in _words(balls)], seconds, parse_seeds(seeds))
+        rendered = cases(_words(scenes), [int(each) for each in _words(balls)], seconds, parse_seeds(seeds))
+        listed = _here(_grouped(_words(groups), rendered))
         keys = _known(_words(followers))
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
@@ -70,21 +75,37 @@ def _words(text: str) -> list[str]:
     return [each.strip() for each in text.split(",") if each.strip()]
 
 
-def _here(scenes: list[str]) -> list[str]:
+def _grouped(groups: list[str], rendered: list[Case]) -> list[Case]:
+    """Return the crowds of some groups, each once, in the order of `GROUPS`."""
+    for group in groups:
+        if group not in GROUPS:
+            raise ValueError(f"a group is one of {', '.join(GROUPS)}, got {group!r}")
+    makers = (real, drawn_otherwise, lambda: rendered)
+    listed = [case for name, maker in zip(GROUPS, makers, strict=True) if name in groups for case in maker()]
+    return list(dict.fromkeys(listed))
+
+
+def _here(listed: list[Case]) -> list[Case]:
     """Those whose pictures are here; say which are not."""
-    left_out = []
-    for needed, where in ((CLIPS, folder()), (COMPOSED, real_clips())):
-        missing = [] if where.is_dir() else [scene for scene in scenes if scene in needed]
-        for scene in missing:
-            print(f"{scene} is left out: no {where}", file=sys.stderr)
-        left_out += missing
+    reasons = {scene: _missing(scene) for scene in dict.fromkeys(case.scene for case in listed)}
+    for scene, reason in reasons.items():
+        if reason:
+            print(f"{scene} is left out: {reason}", file=sys.stderr)
+    return [case for case in listed if not reasons[case.scene]]
+
+
+def _missing(scene: str) -> str:
+    """Why the pictures of a scene cannot be had here; empty if they can."""
+    if scene in CLIPS and not folder(scene).is_dir():
+        return f"no {folder(scene)}: {how_to_get(scene)}"
+    if scene in COMPOSED and not real_clips().is_dir():
+        return f"no {real_clips()}"
     try:
-        if any(scene in PHYSICS for scene in scenes):
+        if scene in PHYSICS:
             engine()
     except ImportError as error:
-        print(f"scenes with physics are left out: {error}", file=sys.stderr)
-        left_out += [scene for scene in scenes if scene in PHYSICS]
-    return [scene for scene in scenes if scene not in left_out]
+        return str(error)
+    return ""
 
 
 def _known(keys: list[str]) -> list[str]:

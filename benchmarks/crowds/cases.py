@@ -12,7 +12,7 @@ import msgspec
 import matchset as ms
 from benchmarks.crowds.composed.scenes import COMPOSED, Composed
 from benchmarks.crowds.crowd import Crowd, Seen
-from benchmarks.crowds.labelled import EQUAL, NAMES, LabelledClip
+from benchmarks.crowds.labelled import CLIPS, NAMES, LabelledClip
 from benchmarks.crowds.pair import SECONDS, hidden_pair
 from benchmarks.crowds.physics.clip import SCENES as PHYSICS
 from benchmarks.crowds.physics.clip import PhysicsCrowd
@@ -23,13 +23,17 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "crowds"
 PAIR = "pair"
 MOST = 20  # balls of a crowd
-USUAL = (*SCENES, PAIR, *NAMES, *COMPOSED)
-EVERY = (*USUAL, *PHYSICS)  # physics takes minutes a crowd to render: by name only
+RENDERED = (*SCENES, PAIR)
+REAL = (*COMPOSED, *NAMES)  # of real pixels
+EVERY = (*RENDERED, *REAL, *PHYSICS)
 CLEAR = 0.95  # share of a ball that must be seen for a click on it
 DETECTING = ("numeric", "shapes", "image", "media", "fitting", "tracking", "camera", "sim")
 """Folders of the package that decide what is rendered and detected; following many balls at once is left out."""
 FOLLOWING = (*DETECTING, "localization")
 DECIDING = (".py", ".toml", ".npz")
+
+
+AnyCrowd = Crowd | LabelledClip | Composed | PhysicsCrowd
 
 
 class Case(msgspec.Struct, frozen=True):
@@ -41,6 +45,7 @@ class Case(msgspec.Struct, frozen=True):
         One of `SCENES` or `COMPOSED`, "pair", a clip that was labelled, or one of `PHYSICS`.
     balls : int
     seconds : float
+        0 of a clip, which has a length of its own.
     seed : int
     """
 
@@ -55,7 +60,7 @@ class Case(msgspec.Struct, frozen=True):
         if not 1 <= self.balls <= MOST:
             raise ValueError(f"a crowd has 1 to {MOST} balls, got {self.balls}")
 
-    def crowd(self) -> Crowd | LabelledClip | Composed | PhysicsCrowd:
+    def crowd(self) -> AnyCrowd:
         """Make it; a pair and a clip have balls and a length of their own."""
         if self.scene == PAIR:
             return hidden_pair(self.seed)
@@ -73,12 +78,24 @@ def cases(scenes: list[str], balls: list[int], seconds: float, seeds: tuple[int,
     listed = []
     for scene in scenes:
         if scene in NAMES:
-            listed.append(Case(scene, EQUAL, round(LabelledClip(scene).seconds, 2), 0))
+            listed.append(Case(scene, CLIPS[scene].balls, 0.0, 0))
         elif scene == PAIR:
             listed += [Case(PAIR, 2, SECONDS, seed) for seed in seeds]
         else:
             listed += [Case(scene, number, seconds, seed) for number in balls for seed in seeds]
     return listed
+
+
+def real() -> list[Case]:
+    """List the crowds of real pixels that report."""
+    composed = [Case(scene, balls, 4.0, seed) for scene in COMPOSED for balls in (8, 10) for seed in (650, 651)]
+    return composed + cases(list(NAMES), [], 0.0, ())
+
+
+def drawn_otherwise() -> list[Case]:
+    """List the crowds of the other renderer that report."""
+    bouncing = [Case("physics_bouncing", 6, 2.52, seed) for seed in (500, 501, 502)]
+    return bouncing + [Case(scene, 10, 3.0, 500) for scene in PHYSICS if scene != "physics_bouncing"]
 
 
 class Watched(msgspec.Struct, frozen=True):
@@ -105,8 +122,8 @@ class Watched(msgspec.Struct, frozen=True):
         return seen, [said for _, said in pairs]
 
 
-def color_of(crowd: Crowd | LabelledClip | Composed | PhysicsCrowd) -> ms.ColorModel:
-    """Learn the balls' color by a click on the largest one of the first frame in which one is clear.
+def click_of(crowd: AnyCrowd) -> tuple[ms.Frame, ms.Circle]:
+    """Return the first frame in which a ball is clear, and the largest such ball: what all followers are told.
 
     Raises
     ------
@@ -116,9 +133,14 @@ def color_of(crowd: Crowd | LabelledClip | Composed | PhysicsCrowd) -> ms.ColorM
     for frame, seen in crowd:
         clear = [each for each in seen or () if each.visible > CLEAR]
         if clear:
-            circle = max(clear, key=lambda each: each.circle.radius).circle
-            return ms.ColorModel.pick(frame.image, circle.x, circle.y)
+            return frame, max(clear, key=lambda each: each.circle.radius).circle
     raise ValueError("no ball of this crowd is ever seen whole")
+
+
+def color_of(crowd: AnyCrowd) -> ms.ColorModel:
+    """Learn the balls' color by the click of `click_of`."""
+    frame, circle = click_of(crowd)
+    return ms.ColorModel.pick(frame.image, circle.x, circle.y)
 
 
 def watched(case: Case) -> Watched:

@@ -4,21 +4,46 @@ import csv
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 import matchset as ms
+from benchmarks.crowds.composed.footage import VARIABLE as REAL_DATA
+from benchmarks.crowds.composed.footage import folder as real_data
 from benchmarks.crowds.crowd import Seen
 
 LABELS = Path(__file__).with_name("labels")
-NAMES = tuple(sorted(path.stem for path in LABELS.glob("mire_*.csv")))
 FOLDER = Path("/usr/share/visp-images-data/ViSP-images")  # where Debian's `visp-images-data` puts them
 VARIABLE = "MATCHSET_VISP_IMAGES"  # names another folder
 SEQUENCE = "mire-2"
-LARGE = 4  # the disc that is no circle in the picture, and does not count
-FPS = 25.0  # taken for it: the sequence does not say
-EQUAL = 4  # discs of one size
+COLLOIDS = "colloids"
+LARGE = 4  # the disc of a mire that is no circle in the picture, and does not count
+FPS = 25.0  # taken for it: the sequences do not say
+
+
+class Source(NamedTuple):
+    """Where the pictures of a clip are.
+
+    Parameters
+    ----------
+    pattern : str
+        Name of a picture, from its number.
+    balls : int
+        Of one size.
+    left_out : tuple of int
+        Identities that count neither for nor against.
+    """
+
+    pattern: str
+    balls: int
+    left_out: tuple[int, ...] = ()
+
+
+MIRE = Source("image.{:04d}.pgm", 4, (LARGE,))
+CLIPS = {"mire_lifted": MIRE, "mire_turned": MIRE, COLLOIDS: Source("bf_{:04d}.png", 5)}
+NAMES = tuple(CLIPS)
 
 
 class LabelledClip:
@@ -36,14 +61,14 @@ class LabelledClip:
     """
 
     def __init__(self, name: str) -> None:
-        self.folder = folder()
+        self.folder, self.source = folder(name), CLIPS[name]
         if not self.folder.is_dir():
-            raise FileNotFoundError(f"no {self.folder}: install Debian's visp-images-data, or set {VARIABLE}")
+            raise FileNotFoundError(f"no {self.folder}: {how_to_get(name)}")
         self._truth: dict[int, list[Seen]] = {}
         with (LABELS / f"{name}.csv").open(encoding="utf-8") as file:
             for row in csv.DictReader(file):
                 identity, circle = int(row["identity"]), ms.Circle(float(row["x"]), float(row["y"]), float(row["r"]))
-                seen = Seen(identity, circle, 0.0 if identity == LARGE else 1.0)
+                seen = Seen(identity, circle, 0.0 if identity in self.source.left_out else 1.0)
                 self._truth.setdefault(int(row["frame"]), []).append(seen)
 
     @property
@@ -54,13 +79,22 @@ class LabelledClip:
     def __iter__(self) -> Iterator[tuple[ms.Frame, list[Seen] | None]]:
         first = min(self._truth)
         for number in range(first, max(self._truth) + 1):
-            path = self.folder / f"image.{number:04d}.pgm"
+            path = self.folder / self.source.pattern.format(number)
             image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
             if image is None:
                 raise FileNotFoundError(f"no picture {path}")
             yield ms.Frame(image.astype(np.uint8), (number - first) / FPS, number - first), self._truth.get(number)
 
 
-def folder() -> Path:
-    """Return where the pictures should be."""
+def folder(name: str) -> Path:
+    """Return where the pictures of a clip should be."""
+    if name == COLLOIDS:
+        return real_data() / "colloids_brightfield"
     return Path(os.environ.get(VARIABLE, str(FOLDER))) / SEQUENCE
+
+
+def how_to_get(name: str) -> str:
+    """Say how the pictures of a clip are had."""
+    if name == COLLOIDS:
+        return f"set {REAL_DATA} to the folder with real clips"
+    return f"install Debian's visp-images-data, or set {VARIABLE}"

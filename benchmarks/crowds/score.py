@@ -1,4 +1,4 @@
-"""Who kept which name: HOTA, IDF1 and switches of identities by TrackEval, and what only the truth tells: `Score`."""
+"""Who kept which name: as a user counts it, HOTA and IDF1 by TrackEval, and what only the truth tells: `Score`."""
 
 import contextlib
 import io
@@ -18,6 +18,12 @@ from benchmarks.crowds.crowd import MIN_VISIBLE, Seen, shared_area
 
 CLEAR = 0.9  # share of its disc from which a ball is clear
 MIN_IOU = 0.5  # of two discs, from which an answer is of a ball; HOTA takes the mean over its own limits
+NEAR, NEAR_SHARE = (
+    10.0,
+    0.5,
+)  # px and of the radius, the larger one: so near to a center, a user takes an answer for right
+CLOSE = 0.5  # px, of an answer that is exact
+SEEN_WEIGHT, NAME_WEIGHT = 100.0, 10.0  # for a ball that counts, and for its last name, beside 0 ... 1 for nearness
 
 
 class Answer(NamedTuple):
@@ -32,10 +38,19 @@ class Score(NamedTuple):
 
     Parameters
     ----------
+    mota : float
+        1 less the missed, the false and the renamed, over the balls that count; may be negative. As a user counts: by
+        centers, `NEAR` px or `NEAR_SHARE` of the radius apart.
+    recall : float
+        Share of the balls that count that are answered so near.
+    renamed : int
+        How often a ball that is answered so near got another name than the last time.
+    close : float
+        Share of the balls that count that are answered within `CLOSE` px, by the first name that they got.
     hota, idf1 : float
         0 ... 1.
     switches : int
-        How often a ball got another name.
+        How often a ball got another name by TrackEval, which goes by what discs share.
     names : int
         Names that were given.
     doubled : int
@@ -44,6 +59,10 @@ class Score(NamedTuple):
         Shares of the balls that count without an answer, and of the answers without a ball.
     """
 
+    mota: float
+    recall: float
+    renamed: int
+    close: float
     hota: float
     idf1: float
     switches: int
@@ -111,7 +130,12 @@ def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score
     }
     quiet = {"PRINT_CONFIG": False}
     hota, clear, identity = (each.eval_sequence(data) for each in (HOTA(), CLEAR(quiet), Identity(quiet)))
+    mota, recall, renamed, close = counted(pairs)
     return Score(
+        mota=mota,
+        recall=recall,
+        renamed=renamed,
+        close=close,
         hota=float(np.mean(hota["HOTA"])),
         idf1=float(identity["IDF1"]),
         switches=int(clear["IDSW"]),
@@ -120,6 +144,58 @@ def score(truth: Iterable[list[Seen]], answers: Iterable[list[Answer]]) -> Score
         missed=float(clear["CLR_FN"] / max(sum(len(balls) for balls, _, _ in frames), 1)),
         false=float(clear["CLR_FP"] / max(sum(len(names) for _, names, _ in frames), 1)),
     )
+
+
+def counted(pairs: Iterable[tuple[list[Seen], list[Answer]]]) -> tuple[float, float, int, float]:
+    """Count as a user does: by centers, a row for each ball that can be seen.
+
+    Parameters
+    ----------
+    pairs : iterable of (list of Seen, list of Answer)
+        Truth and answers of each frame.
+
+    Returns
+    -------
+    mota, recall : float
+    renamed : int
+    close : float
+    """
+    first: dict[int, int] = {}
+    last: dict[int, int] = {}
+    balls = right = false = renamed = close = 0
+    for seen, said in pairs:
+        balls += sum(each.visible >= MIN_VISIBLE for each in seen)
+        met = _met(seen, said, last)
+        false += len(said) - len(met)
+        for ball, answer in met:
+            if ball.visible < MIN_VISIBLE:
+                continue
+            right += 1
+            renamed += last.get(ball.identity, answer.identity) != answer.identity
+            last[ball.identity] = answer.identity
+            own = first.setdefault(ball.identity, answer.identity) == answer.identity
+            close += own and _apart(ball, answer) < CLOSE
+    most = max(balls, 1)
+    return 1.0 - (balls - right + false + renamed) / most, right / most, renamed, close / most
+
+
+def _met(seen: list[Seen], said: list[Answer], last: dict[int, int]) -> list[tuple[Seen, Answer]]:
+    """Give answers to balls of a frame: to those that count first, then by their last names, then the nearest."""
+    gains = np.zeros((len(seen), len(said)))
+    for row, ball in enumerate(seen):
+        limit = max(NEAR, NEAR_SHARE * ball.circle.radius)
+        for column, answer in enumerate(said):
+            far = _apart(ball, answer)
+            if far < limit:
+                gains[row, column] = 1.0 - far / limit
+                gains[row, column] += SEEN_WEIGHT * (ball.visible >= MIN_VISIBLE)
+                gains[row, column] += NAME_WEIGHT * (last.get(ball.identity) == answer.identity)
+    chosen = zip(*linear_sum_assignment(gains, maximize=True), strict=True)
+    return [(seen[row], said[column]) for row, column in chosen if gains[row, column] > 0.0]
+
+
+def _apart(ball: Seen, answer: Answer) -> float:
+    return math.hypot(ball.circle.x - answer.circle.x, ball.circle.y - answer.circle.y)
 
 
 def _doubled(seen: list[Seen], said: list[Answer]) -> int:

@@ -8,7 +8,7 @@ from benchmarks.crowds.cases import PAIR, Case, cases
 from benchmarks.crowds.crowd import CAMERA, MIN_VISIBLE, Crowd, Seen, shared_area
 from benchmarks.crowds.pair import hidden_pair
 from benchmarks.crowds.scenes import SCENES
-from benchmarks.crowds.score import Answer, iou, names_kept, score
+from benchmarks.crowds.score import Answer, counted, iou, names_kept, score
 
 import matchset as ms
 
@@ -140,6 +140,39 @@ def test_names_that_change_places_are_switches() -> None:
     assert found.hota < 0.8
     assert not names_kept(toy(), answers[:20] + swapped, frames=10)
     assert names_kept(toy(), answers, frames=10)
+
+
+def by_user(truth: list[list[Seen]], answers: list[list[Answer]]) -> tuple[float, float, int, float]:
+    return counted(zip(truth, answers, strict=True))
+
+
+def test_a_user_counts_what_is_missed_false_and_renamed() -> None:
+    truth, answers = toy(10), said(toy(10))
+    assert by_user(truth, answers) == (1.0, 1.0, 0, 1.0)
+    astray = Answer(30, ms.Circle(500.0, 400.0, 20.0))
+    mota, recall, renamed, close = by_user(truth, [[frame[0], astray] for frame in answers])
+    assert (mota, recall, renamed, close) == pytest.approx((0.0, 0.5, 0, 0.5))
+    swapped = [[Answer(15 - each.identity, each.circle) for each in frame] for frame in answers[5:]]
+    mota, recall, renamed, close = by_user(truth, answers[:5] + swapped)
+    assert (mota, recall, renamed, close) == pytest.approx((0.9, 1.0, 2, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("radius", "far", "right"), [(20.0, 9.9, 1), (20.0, 10.1, 0), (40.0, 19.9, 1), (40.0, 20.1, 0)]
+)
+def test_a_user_takes_an_answer_near_a_center_for_right(radius: float, far: float, right: int) -> None:
+    truth = [[Seen(0, ms.Circle(100.0, 100.0, radius), 1.0)]]
+    answer = Answer(3, ms.Circle(100.0, 100.0 + far, 0.5 * radius))
+    mota, recall, _, close = by_user(truth, [[answer]])
+    assert (mota, recall, close) == (2.0 * right - 1.0, right, 0.0)
+
+
+def test_a_user_sees_no_hidden_ball() -> None:
+    truth = [[seen[0], seen[1]._replace(visible=0.2)] for seen in toy(5)]
+    for answers in (said(truth), [frame[:1] for frame in said(truth)]):
+        assert by_user(truth, answers) == (1.0, 1.0, 0, 1.0)
+    behind = [[seen[0], Seen(1, seen[0].circle, 0.0)] for seen in toy(5)]
+    assert by_user(behind, [frame[:1] for frame in said(toy(5))]) == (1.0, 1.0, 0, 1.0)
 
 
 def test_a_name_on_each_half_is_no_name_kept() -> None:

@@ -75,6 +75,8 @@ class EqualDiscsParameters(msgspec.Struct, frozen=True):
         Difference of chroma from which an outline is of something else, if others are like what was clicked: more
         keeps things of other colors, less loses discs in other light. Of 263 right ones no one differed by more than
         14 from the most similar other one.
+    brighter : float
+        By what factor its chroma may be another one since more or less light falls on it.
     unweighed : float
         What counts as the evidence where none is weighed: where brightness tells the target.
     touching : float
@@ -111,6 +113,7 @@ class EqualDiscsParameters(msgspec.Struct, frozen=True):
     most_alike: float = 10.0
     most_chroma: float = 30.0
     foreign: float = 20.0
+    brighter: float = 1.6
     unweighed: float = 0.0
     touching: float = 0.12
     same: float = 0.5
@@ -197,7 +200,8 @@ class EqualDiscs:
     def _is_near(self, lab: Floats | None, others: Sequence[Floats | None]) -> bool:
         """Whether a color has about the chroma of one of others; what is not known is near to all."""
         return any(
-            lab is None or each is None or math.dist(lab[1:], each[1:]) < self._limits.foreign for each in others
+            lab is None or each is None or _chroma_apart(lab, each, self._limits.brighter) < self._limits.foreign
+            for each in others
         )
 
     def log_odds(self, circle: Circle3, network: float, evidence: float) -> float:
@@ -353,3 +357,10 @@ class EqualDiscs:
 
 def _are_of_size(first: float, second: float, factor: float) -> bool:
     return abs(math.log(first / second)) < math.log(factor)
+
+
+def _chroma_apart(one: Floats, other: Floats, brighter: float) -> float:
+    """Distance of the chroma of two colors, of which one may have more light by a factor."""
+    length = max(float(other[1:] @ other[1:]), 1.0)
+    scale = min(max(float(one[1:] @ other[1:]) / length, 1.0 / brighter), brighter)
+    return float(np.linalg.norm(one[1:] - scale * other[1:]))

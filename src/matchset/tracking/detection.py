@@ -19,6 +19,7 @@ from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
 from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
 from matchset.tracking.ball.equal_discs import EqualDiscs, EqualDiscsParameters
+from matchset.tracking.ball.log_odds import probability_of
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, track_of
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
@@ -116,7 +117,7 @@ def _by_network(
     limits = msgspec.structs.replace(CHOICE.discs, compared=max(CHOICE.discs.compared, limit + limit // 5))
     for odds, spread in DiscDetector(fitter, color, limits).find(channels_last(frame.image), places):
         track = track_of(fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-        found.append((_probability(odds), track))
+        found.append((probability_of(odds), track))
     return found
 
 
@@ -131,17 +132,13 @@ def _with_equal(
         equal.know(_circle(track), merit)
     for odds, spread in itertools.chain(equal.clicked(), equal.find(limit)):
         track = track_of(fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-        found.append((_probability(odds), track))
+        found.append((probability_of(odds), track))
     return sorted(found, key=lambda pair: -pair[0])
 
 
 def _circle(track: Track[Any]) -> Circle3:
     x, y, radius = track.shape.state[:3].tolist()
     return x, y, radius
-
-
-def _probability(odds: float) -> float:
-    return 1.0 / (1.0 + math.exp(-odds))
 
 
 def _is_sure(estimate: Estimate) -> bool:

@@ -15,7 +15,7 @@ from matchset.app.several.painter import shape_of
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.many.multi_tracker import MultiTracker
-from matchset.tracking.many.sightings import place_of
+from matchset.tracking.many.sightings import is_near_one, place_of
 from matchset.tracking.many.target import Target
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
@@ -82,7 +82,11 @@ class DoubtfulBalls:
         kept = list[Track[Any]]()
         for each in [*(new for new in self._tracker.doubtful if new.time == time), *self.tracks]:
             place = place_of(each.shape)
-            if 0.0 <= time - each.time <= limits.kept and not _is_on_one(place, taken) and self._is_there(frame, place):
+            if (
+                0.0 <= time - each.time <= limits.kept
+                and not is_near_one(place, taken, 1.0)
+                and self._is_there(frame, place)
+            ):
                 kept.append(each)
                 taken.append(place)
         self.tracks = tuple(kept)
@@ -116,10 +120,6 @@ class DoubtfulBalls:
 def _most_covered(image: npt.NDArray[np.uint8], tracker: MultiTracker) -> float:
     """Return the largest share of a picture that one of the colors covers; all of it where only edges count."""
     return max(1.0 if color.gray else covered(image, color) for color in tracker.colors.values())
-
-
-def _is_on_one(place: Gate, taken: Sequence[Gate]) -> bool:
-    return any(place.distance(other) < max(place.half_width, other.half_width) for other in taken)
 
 
 def watch_of(tracker: MultiTracker, family: type[Any], follows: bool, out: TextIO) -> "CrowdWatch | None":

@@ -241,13 +241,10 @@ class DiscDetector:
         """Circles from which the network is led."""
         limits, starts = self._limits, [*proposed]
         height, width = image.shape[:2]
-        assert self.lab is not None
         radius = limits.least_px
         while radius < limits.most_share * min(height, width):
             small = radius < limits.small_px
-            places = msgspec.structs.replace(limits.places, most=limits.small) if small else limits.places
-            everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
-            for place in places_of_color(image, (self.lab, self._model), everywhere, 0, [], places):
+            for place in self.places(image, radius, 0, (), limits.small if small else None):
                 if not any(are_same(place, each, limits.same) for each in starts):
                     starts.append(place)
             radius *= limits.factor

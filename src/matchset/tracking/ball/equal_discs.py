@@ -22,6 +22,7 @@ from matchset.image.disc_network.network import Disc
 from matchset.image.disc_network.patch_format import Circle3
 from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
 from matchset.tracking.ball.discs import are_same
+from matchset.tracking.ball.log_odds import probability_of
 from matchset.tracking.ball.places.uncovered_places import UncoveredPlaceParameters, uncovered_places
 from matchset.tracking.ball.spanning_color import spanning_color
 
@@ -284,7 +285,7 @@ class EqualDiscs:
         """Know a disc, and have the workspace hold it; covariance beside that."""
         spread = self._detector.settle(disc)
         x, y, radius = self._fitter.state[:3].tolist()
-        self.know((x, y, radius), 1.0 / (1.0 + math.exp(-odds)))
+        self.know((x, y, radius), probability_of(odds))
         return spread
 
     def _evidence(self, disc: Disc) -> float:

@@ -28,6 +28,7 @@ from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.ball.places.color_places import ColorPlaceParameters
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import track_of
+from matchset.tracking.many.sightings import is_near_one, place_of
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
 
@@ -196,17 +197,20 @@ class DiscSearch:
         list of Track
             Balls that are none of those that are known.
         """
-        limits, image = self.parameters, channels_last(frame.image)
+        limits = self.parameters
+        image = channels_last(frame.image)
         self._fitter.take_rows(frame.rows)
         self._in_vain = [each for each in self._in_vain if self._searched - each[1] < limits.again]
-        most, looks = limits.first_places, limits.first_looks
+        most = limits.first_places
+        looks = limits.first_looks
         if self._searched:
             most = min(limits.places + round(sought.missing), limits.most_places)
             looks = limits.looks * most // limits.places
         found, unclear = self._clear(frame, self._places(image, sought, most), sought.known)
-        taken = [*sought.known, *map(_gate, found)]
+        taken = [*sought.known, *_places_of(found)]
+        discs = self._detector.led(image, unclear, looks)
+        fresh = [disc for disc in discs if not is_near_one(Gate(*disc.circle), taken, limits.same_distance)]
         self.doubtful = []
-        fresh = [disc for disc in self._detector.led(image, unclear, looks) if not self._is_known(disc.circle, taken)]
         for log_odds, spread in self._detector.judged(image, fresh):
             track = track_of(self._fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
             is_ball = log_odds + self._prior(track.shape, sought) > limits.discs.asked
@@ -220,15 +224,16 @@ class DiscSearch:
         self, frame: Frame, places: Sequence[Circle3], known: Sequence[Gate]
     ) -> tuple[list[Track[Any]], list[Circle3]]:
         """Balls whose outline is clear at some places, and the places at which none is."""
-        found, unclear = list[Track[Any]](), list[Circle3]()
+        same = self.parameters.same_distance
+        found = list[Track[Any]]()
+        unclear = list[Circle3]()
         for place in places:
             track = self._outlined(frame, place)
             if track is None:
                 unclear.append(place)
-            elif not self._is_known(tuple(track.shape.state[:3].tolist()), [*known, *map(_gate, found)]):
+            elif not is_near_one(place_of(track.shape), [*known, *_places_of(found)], same):
                 found.append(track)
-        fresh = list(map(_gate, found))
-        return found, [place for place in unclear if not self._is_known(place, fresh)]
+        return found, [place for place in unclear if not is_near_one(Gate(*place), _places_of(found), same)]
 
     def _places(self, image: Image, sought: Sought, most: int) -> list[Circle3]:
         """Circles where lost balls are expected and where the color stands out, so many at most of each size.
@@ -257,7 +262,7 @@ class DiscSearch:
 
     def _note_in_vain(self, places: Sequence[Circle3], found: Sequence[Track[Any]], lost: Sequence[Gate]) -> None:
         """Note places that were looked at in vain, but for those at which a lost ball may be seen in the next one."""
-        near = [*map(_gate, found), *lost]
+        near = [*_places_of(found), *lost]
         for place in places:
             if all(math.hypot(place[0] - each.x, place[1] - each.y) > place[2] for each in near):
                 self._in_vain.append((place, self._searched))
@@ -275,7 +280,9 @@ class DiscSearch:
 
     def _outlined(self, frame: Frame, place: Circle3) -> Track[Any] | None:
         """Ball at a place if its outline is clear."""
-        limits, fitter, image = self.parameters, self._fitter, channels_last(frame.image)
+        limits = self.parameters
+        fitter = self._fitter
+        image = channels_last(frame.image)
         reach = max(limits.range_share * place[2], limits.least_range_px)
         fitter.forget()
         state = Circle.from_coarse(*place).state
@@ -287,15 +294,6 @@ class DiscSearch:
             return None
         return track_of(fitter, None, frame.time, pixel_aspect=frame.pixel_aspect)
 
-    def _is_known(self, circle: Circle3, others: Sequence[Gate]) -> bool:
-        """Whether a circle is one of the others, or inside one, or around one."""
-        x, y, radius = circle
-        return any(
-            math.hypot(x - each.x, y - each.y) < self.parameters.same_distance * max(radius, each.half_width)
-            for each in others
-        )
 
-
-def _gate(track: Track[Any]) -> Gate:
-    x, y, radius = track.shape.state[:3].tolist()
-    return Gate(x, y, radius)
+def _places_of(tracks: Sequence[Track[Any]]) -> list[Gate]:
+    return [place_of(track.shape) for track in tracks]

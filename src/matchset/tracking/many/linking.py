@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matchset.tracking.many.assignment import assigned
 from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
 from matchset.tracking.many.sightings import Sighting
-from matchset.tracking.many.tracklet import Followed, Hypothesis, Tracklet
+from matchset.tracking.many.tracklet import Followed, Hypothesis, Observed, Tracklet
 
 FORBIDDEN = 1e6  # format: cost of what cannot be, which SciPy's solver takes for a number
 
@@ -93,6 +93,44 @@ class Linking:
         in_doubt = [each.target for each in self.tracklets if not each.is_certain]
         return [*self.targets, *(owner for owner in in_doubt if owner is not None and owner not in self.targets)]
 
+    def bridge(self, seen: Observed, predicted: Predicted) -> list[Tracklet]:
+        """Let tracklets in doubt go on with what was found anew where their trackers lost them.
+
+        Of a target that was seen once no velocity is known, and its tracker does not find it where it has moved far.
+        What a search finds in the same frame is likelier the same than a new one.
+        """
+        open_ones = [each for each in seen.ended if not each.is_certain]
+        if not (open_ones and seen.fresh):
+            return []
+        table = np.full((len(open_ones), len(seen.fresh)), FORBIDDEN)
+        for row, tracklet in enumerate(open_ones):
+            for column, sighting in enumerate(seen.fresh):
+                if sighting.label == tracklet.label and sighting.identity is None and sighting.sure:
+                    table[row, column] = -self._explained(tracklet, sighting, predicted)
+        rows, columns = assigned(table)
+        bridged = [
+            (open_ones[row], seen.fresh[column])
+            for row, column in zip(rows.tolist(), columns.tolist(), strict=True)
+            if table[row, column] < -self._new_score
+        ]
+        for tracklet, sighting in bridged:
+            seen.ended.remove(tracklet)
+            seen.fresh.remove(sighting)
+            seen.continued[tracklet] = sighting
+        return [tracklet for tracklet, _ in bridged]
+
+    def _explained(self, tracklet: Tracklet, sighting: Sighting, predicted: Predicted) -> float:
+        """Log-likelihood of a sighting by the likeliest hypothesis of a tracklet; that of nothing where none may be."""
+        explained = [
+            predicted.likelihood(each.slot, sighting.place, sighting.variance) for each in tracklet.hypotheses.values()
+        ]
+        return max((each.log for each in explained if each.squared < self.limits.gate), default=-FORBIDDEN)
+
+    @property
+    def _new_score(self) -> float:
+        """Log-likelihood of a sighting as that of a new target."""
+        return -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
+
     def end(self, ended: Sequence[Tracklet], time: float) -> list[Followed]:
         """End tracklets, at a time, s; return the targets that were lost with them. Of one in doubt nothing is kept."""
         lost = list[Followed]()
@@ -167,8 +205,7 @@ class Linking:
             left_out += is_full and not tracklet.hypotheses
             if may_be_new and not is_full:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
-                score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)
-                tracklet.hypotheses[new] = Hypothesis(new.slot, score)
+                tracklet.hypotheses[new] = Hypothesis(new.slot, self._new_score)
             if tracklet.hypotheses:
                 tracklet.doubted = 1
                 for each in self.targets:

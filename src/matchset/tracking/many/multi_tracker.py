@@ -235,12 +235,13 @@ class MultiTracker(Copied):
         linking.forget(frame.time, self.parameters.memory, self.parameters.unconfirmed)
         predicted = Predicted(linking.bank, frame.time)
         seen = observer.observe(frame, predicted, linking.tracklets, linking.hidden(), self._passed)
+        bridged = linking.bridge(seen, predicted)
         lost = linking.end(seen.ended, frame.time)
         linking.doubt(lost, seen.continued, predicted)
         linking.go_on(seen.continued, frame.time, self._frames % self.parameters.period != 0)
         linking.begin(seen.fresh, predicted, frame.time)
         dropped = linking.decide(frame.time)
-        for tracklet in (*seen.ended, *dropped):
+        for tracklet in (*seen.ended, *bridged, *dropped):
             observer.take_back(tracklet)
         return self._answers(frame, predicted)
 

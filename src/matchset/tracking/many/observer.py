@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
@@ -11,28 +11,11 @@ from matchset.tracking.many.field_timing import FieldTiming
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.searching.searches import Searches
-from matchset.tracking.many.sightings import Sighting, are_fields, of_both, place_of, sighting_of
-from matchset.tracking.many.tracklet import Followed, Tracklet, start
+from matchset.tracking.many.sightings import Sighting, are_fields, is_inside, of_both, place_of, sighting_of
+from matchset.tracking.many.tracklet import Followed, Observed, Tracklet, start
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
-
-
-class Observed(NamedTuple):
-    """What is seen in a frame.
-
-    Attributes
-    ----------
-    continued : dict of Tracklet to Sighting
-    ended : list of Tracklet
-        Those whose trackers have lost what they followed, or are where another one is.
-    fresh : list of Sighting
-        What none of them follows.
-    """
-
-    continued: dict[Tracklet, Sighting]
-    ended: list[Tracklet]
-    fresh: list[Sighting]
 
 
 class Request:
@@ -134,8 +117,7 @@ class Observer:
             self._add(frame, fresh, sighting, known)
         for sighting in self._probe(frame, predicted, (hidden, known), passed):
             self._add(frame, fresh, sighting, known)
-        lost = [each.owner() for each in ended if each.is_certain]
-        for sighting in self.searches.search(frame, predicted, (hidden, lost), [*known, *fresh], finds=self.finds):
+        for sighting in self.searches.search(frame, predicted, (hidden, ended), [*known, *fresh], finds=self.finds):
             self._add(frame, fresh, sighting, known)
         return Observed(continued, ended, fresh)
 
@@ -260,16 +242,14 @@ class Observer:
     ) -> list[Sighting]:
         """Track hidden targets from where their motion would have them, and by turns from where they were last."""
         hidden, known = around
-        height, width = frame.image.shape[:2]
         found = list[Sighting]()
         probes = 0
         for each in sorted(hidden, key=lambda each: (each.probed or -math.inf, -each.seen)):
             place, velocity = predicted.likeliest(each.slot)
             if self._frames % self._limits.halted_period == 0 and frame.time - each.seen > self._limits.halted_after:
                 place, velocity = predicted.halted(each.slot), (0.0, 0.0)
-            inside = -place.half_width < place.x < width + place.half_width
-            inside = inside and -place.half_width < place.y < height + place.half_width
-            if not inside or frame.time - each.seen > self._limits.expected or self._is_covered(place, known):
+            late = frame.time - each.seen > self._limits.expected
+            if late or not is_inside(place, frame.image) or self._is_covered(place, known):
                 continue
             if probes == self._limits.probes:
                 break

@@ -100,6 +100,13 @@ def place_of(shape: Any) -> Gate:
     return Gate(shape.x, shape.y, shape.radius) if type(shape) is Circle else gate_of(type(shape), shape.state)
 
 
+def is_inside(place: Gate, image: Image) -> bool:
+    """Whether a part of what is at a place can be seen in a picture."""
+    height, width = image.shape[:2]
+    reach = place.half_width
+    return -reach < place.x < width + reach and -reach < place.y < height + reach
+
+
 def is_near_one(place: Gate, others: Iterable[Gate], distance: float) -> bool:
     """Whether a place is nearer to one of others than so many half-widths of the larger: the same, or inside."""
     return any(place.distance(other) < distance * max(place.half_width, other.half_width) for other in others)

@@ -1,6 +1,6 @@
 """What is followed without a gap, and whose it may be: `Tracklet`, `Hypothesis`; and the target itself: `Followed`."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from matchset.shapes.shape import Shape
 from matchset.tracking.many.motion_bank import Predicted
@@ -124,6 +124,23 @@ class Tracklet:
         owner = self.target or self.owner()
         assert self.tracker is not None
         start(self.tracker, self.sighting, predicted.likeliest(self.hypotheses[owner].slot), passed)
+
+
+class Observed(NamedTuple):
+    """What is seen in a frame.
+
+    Attributes
+    ----------
+    continued : dict of Tracklet to Sighting
+    ended : list of Tracklet
+        Those whose trackers have lost what they followed, or are where another one is.
+    fresh : list of Sighting
+        What none of them follows.
+    """
+
+    continued: dict[Tracklet, Sighting]
+    ended: list[Tracklet]
+    fresh: list[Sighting]
 
 
 def start(tracker: Tracker[Any], last: Sighting, expected: tuple[Gate, tuple[float, float]], passed: float) -> None:

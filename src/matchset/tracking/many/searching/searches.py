@@ -15,8 +15,8 @@ from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.searching.disc_search import DiscSearch, Sought
 from matchset.tracking.many.searching.strip_search import STRIPS, StripSearch
 from matchset.tracking.many.searching.unexplained import precompile_unexplained, unexplained
-from matchset.tracking.many.sightings import Sighting, sighting_of
-from matchset.tracking.many.tracklet import Followed
+from matchset.tracking.many.sightings import Sighting, is_inside, sighting_of
+from matchset.tracking.many.tracklet import Followed, Tracklet
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
 
@@ -71,7 +71,7 @@ class Searches:
         self,
         frame: Frame,
         predicted: Predicted,
-        unseen: tuple[Sequence[Followed], Sequence[Followed]],
+        unseen: tuple[Sequence[Followed], Sequence[Tracklet]],
         known: Sequence[Sighting],
         *,
         finds: bool,
@@ -82,8 +82,8 @@ class Searches:
         ----------
         frame : Frame
         predicted : Predicted
-        unseen : (sequence of Followed, sequence of Followed)
-            Targets that were hidden before this frame, and those that were lost in it.
+        unseen : (sequence of Followed, sequence of Tracklet)
+            Targets that were hidden before this frame, and tracklets that ended in it.
         known : sequence of Sighting
             What is seen.
         finds : bool
@@ -94,7 +94,7 @@ class Searches:
         found = list[Sighting]()
         self._frames += 1
         if finds:
-            found += self._new_discs(frame, predicted, [*unseen[1], *hidden], known)
+            found += self._new_discs(frame, predicted, unseen, known)
         found += self._strip(frame, hidden, places, finds=finds)
         if hidden:
             sought = min(hidden, key=lambda each: (each.identity is not None, each.sought, -each.seen))
@@ -106,24 +106,25 @@ class Searches:
         return found
 
     def _new_discs(
-        self, frame: Frame, predicted: Predicted, hidden: Sequence[Followed], known: Sequence[Sighting]
+        self,
+        frame: Frame,
+        predicted: Predicted,
+        unseen: tuple[Sequence[Followed], Sequence[Tracklet]],
+        known: Sequence[Sighting],
     ) -> list[Sighting]:
         """Balls of all colors whose search is due."""
         image = channels_last(frame.image)
         found = list[Sighting]()
         for label, search in self._discs.items():
-            of_color = [each for each in hidden if each.label == label]
             places = [each.place for each in (*known, *found)]
             sizes = [each.place.half_width for each in known if each.label == label]
             radius = search.smallest(sizes)
             seen = self._count(image, label, places, radius)
             more = max(seen - self._left_over[label], 0)
             self._left_over[label] = min(self._left_over[label], seen)
-            if not (of_color or self._is_due(more, radius)):
+            expected = self._expected(frame, predicted, unseen, label)
+            if not (expected or self._is_due(more, radius)):
                 continue
-            lost = [each for each in of_color if frame.time - each.seen < self._limits.expected]
-            lost = sorted(lost, key=lambda each: -each.seen)[: self._limits.probes]
-            expected = [predicted.likeliest(each.slot)[0] for each in lost]
             missing = more * self._step(radius) ** 2 / (math.pi * search.usual(sizes) ** 2)
             fresh = [
                 self._sighting(track, label) for track in search.update(frame, Sought(places, sizes, expected, missing))
@@ -132,6 +133,18 @@ class Searches:
             places += [each.place for each in fresh]
             self._left_over[label] = self._count(image, label, places, radius)
         return found
+
+    def _expected(
+        self, frame: Frame, predicted: Predicted, unseen: tuple[Sequence[Followed], Sequence[Tracklet]], label: str
+    ) -> list[Gate]:
+        """Places in the picture where balls of a color are expected that were lost, those that were lost last first."""
+        hidden, ended = unseen
+        slots = [each.hypotheses[each.owner()].slot for each in ended if each.label == label]
+        for each in sorted(hidden, key=lambda each: -each.seen):
+            if each.label == label and frame.time - each.seen < self._limits.expected:
+                slots.append(each.slot)
+        places = [predicted.likeliest(slot)[0] for slot in slots]
+        return [place for place in places if is_inside(place, frame.image)][: self._limits.probes]
 
     def _is_due(self, more: int, radius: float) -> bool:
         """Whether more of a color is seen than the balls that are known explain, or it is time to look again."""

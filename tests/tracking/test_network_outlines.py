@@ -204,10 +204,10 @@ def test_a_tracker_that_did_not_ask_the_network_asks_it_after_a_restart_and_know
     color = ms.ColorModel.pick(image, 160, 90)
     assert color.sample is not None
     tracker = ms.Tracker(ms.Circle, color)
-    tracker.step.asks_network = False
+    tracker.step.crowded = True
     tracker.update(image)
     tracker.restart()
-    assert tracker.step.asks_network
+    assert tracker.step.outlines.network.limits.used
     expected = colors_in(color.sample.image, color.sample.circle)
     assert np.array_equal(colors_asked(tracker.step.outlines.network, image), expected)
 
@@ -217,7 +217,7 @@ def test_a_tracker_whose_parameters_say_so_does_not_ask_the_network_after_a_rest
     parameters = TrackerParameters(asks_network=False)
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), parameters=parameters)
     tracker.restart()
-    assert not tracker.step.asks_network
+    assert not tracker.step.outlines.network.limits.used
 
 
 def test_a_search_knows_the_colors_that_were_clicked() -> None:

@@ -36,6 +36,7 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+SIZED = 3  # theorem: center and half-width are all that a family of three parameters has
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
@@ -68,15 +69,22 @@ class TrackStep(Copied, Generic[S]):
         self.acquired: Acquisition | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self.outlines = OutlineChoice(fitter, parameters)
+        self._crowded = False
 
     @property
-    def asks_network(self) -> bool:
-        """Whether the network of discs is asked; it knows single balls, and may be wrong where several touch."""
-        return self.outlines.network.limits.used
+    def crowded(self) -> bool:
+        """Whether others like the shape are next to it.
 
-    @asks_network.setter
-    def asks_network(self, asks: bool) -> None:
+        Then the network of discs is not asked, which knows single balls; nor are other outlines of a disc tried, which
+        take in a part of the others.
+        """
+        return self._crowded
+
+    @crowded.setter
+    def crowded(self, crowded: bool) -> None:
+        self._crowded = crowded
         network = self.outlines.network
+        asks = self.parameters.network.used and not crowded
         if network.limits.used != asks:
             network.limits = msgspec.structs.replace(network.limits, used=asks)
 
@@ -89,12 +97,24 @@ class TrackStep(Copied, Generic[S]):
     def fields(self, known: tuple[float, float]) -> None:
         self.fitter.work.motion.offset_moment, self.fitter.work.motion.speed_moment = known
 
+    def hold_size(self, half_width: float, sigma: float) -> None:
+        """Expect a half-width, px, in the next frame, give or take a share of it, whatever the last outlines were.
+
+        Only of a shape whose state is its center and its half-width.
+        """
+        if len(self.fitter.family.parameters) != SIZED:
+            return
+        motion = self.fitter.work.motion
+        motion.last_state[SIZED - 1] = half_width
+        motion.velocity[SIZED - 1] = 0.0
+        motion.innovation_scale[SIZED - 1] = min(motion.innovation_scale[SIZED - 1], sigma * half_width)
+
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
         self.faint, self.given, self.without_outline = 0, False, False
         self.outlines.spread = None
         self.acquired = None
-        self.asks_network = self.parameters.network.used
+        self.crowded = False
         self._make_derived()
 
     def _derive(self) -> None:
@@ -165,11 +185,13 @@ class TrackStep(Copied, Generic[S]):
         period = limits.hypotheses.period if finds_itself(self.fitter.family) else 1
         may_test = bool(estimate.rejection) or index % period == 0
         if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
-            stretched = self.with_modes(image, color, estimate, speed, limits.hypotheses.mode_gain)
+            among_discs = self.crowded and self.outlines.is_disc
+            gain = limits.hypotheses.mode_gain
+            stretched = None if among_discs else self.with_modes(image, color, estimate, speed, gain)
             if stretched is not None:
                 estimate = stretched
             else:
-                chosen = self._test_hypotheses(image, color, estimate, speed)
+                chosen = None if among_discs else self._test_hypotheses(image, color, estimate, speed)
                 estimate = chosen or self._unless_faint(estimate, image, color)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:

@@ -51,8 +51,9 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         How far one at rest moves meanwhile, half-widths per root of s.
     size_sigma, size_rate : float
         Standard deviation of ln(half-width) of a sighting, and of its change, 1/s.
-    size_gain : float
-        Share of a new ln(half-width) that is taken over.
+    size_gain, crowded_size_gain : float
+        Share of a new ln(half-width) that is taken over, and next to others, where an outline may take in a part of
+        another one.
     """
 
     acceleration: float = 40.0
@@ -69,6 +70,7 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     size_sigma: float = 0.06
     size_rate: float = 0.5
     size_gain: float = 0.3
+    crowded_size_gain: float = 0.1
 
     @property
     def center_sigmas(self) -> tuple[float, float]:
@@ -144,6 +146,11 @@ class Predicted:
         model = int(tables.log_weights[slot].argmax())
         (x, y), (vx, vy) = tables.centers[slot, model].tolist(), tables.velocities[slot, model].tolist()
         return Gate(x, y, float(tables.half_widths[slot])), (vx, vy)
+
+    def places(self, slot: int) -> list[Gate]:
+        """Places of a slot by each model, px."""
+        half_width = float(self._tables.half_widths[slot])
+        return [Gate(x, y, half_width) for x, y in self._tables.centers[slot].tolist()]
 
     def halted(self, slot: int) -> Gate:
         """Place of a slot if it has halted, px."""
@@ -275,7 +282,9 @@ class MotionBank:
         self._scores[at] = self.limits.memory * self._scores[at] - 0.5 * squared - np.log(total)
         self._state[at] = states + gains[:, :, :, None] * innovations[:, :, None, :]
         self._covariance[at] = covariances - gains[:, :, :, None] * covariances[:, :, 0][:, :, None, :]
-        self._size[at] += self.limits.size_gain * (np.log(seen[:, 2]) - self._size[at])
+        crowded = np.array([each.crowded for each in sightings])
+        gain = np.where(crowded, self.limits.crowded_size_gain, self.limits.size_gain)
+        self._size[at] += gain * (np.log(seen[:, 2]) - self._size[at])
         self._sightings[at] += 1.0
         self._time[at] = time
 

@@ -159,10 +159,12 @@ class Observer:
                 each.tracker.step.fields = self._fields.moments
                 each.restarts -= 1
                 each.start(predicted, passed)
-            each.tracker.step.asks_network = each not in crowded
+            each.tracker.step.crowded = each in crowded
+            if each in crowded:
+                each.tracker.step.hold_size(crowded[each], self._limits.held_sigma)
             answer = each.tracker.update(frame)
             if isinstance(answer, Track):
-                seen[each] = sighting_of(answer, sigmas, each.label)
+                seen[each] = sighting_of(answer, sigmas, each.label)._replace(crowded=each in crowded)
                 self._fields.note(each.sighting, seen[each])
             else:
                 ended.append(each)
@@ -173,12 +175,18 @@ class Observer:
 
     def _crowded(
         self, predicted: Predicted, tracklets: Sequence[Tracklet], hidden: Sequence[Followed]
-    ) -> set[Tracklet]:
-        """Tracklets next to others, or to where hidden targets may be: the network of discs knows single balls only."""
-        places = [each.sighting.place for each in tracklets]
-        places += [predicted.likeliest(each.slot)[0] for each in hidden]
+    ) -> dict[Tracklet, float]:
+        """Half-widths, px, of tracklets next to others, or to where hidden targets may be.
+
+        The network of discs knows single balls only, and an outline may take in a part of the other one.
+        """
+        if not hidden and not near_pairs([each.sighting.place for each in tracklets], self._limits.may_meet):
+            return {}
+        slots = [each.hypotheses[each.target or each.owner()].slot for each in tracklets]
+        places = [predicted.likeliest(slot)[0] for slot in slots]
+        places += [place for each in hidden for place in predicted.places(each.slot)]
         near = near_pairs(places, self._limits.crowded)
-        return {tracklets[k] for pair in near for k in pair if k < len(tracklets)}
+        return {tracklets[k]: places[k].half_width for pair in near for k in pair if k < len(tracklets)}
 
     def _distinct(
         self, frame: Frame, seen: dict[Tracklet, Sighting], ended: list[Tracklet], predicted: Predicted
@@ -259,7 +267,7 @@ class Observer:
             tracker.step.fields = self._fields.moments
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
-            tracker.step.asks_network = not any(
+            tracker.step.crowded = any(
                 place.distance(other.place) < self._limits.crowded * max(place.half_width, other.place.half_width)
                 for other in known
             )

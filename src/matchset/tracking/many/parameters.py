@@ -76,7 +76,9 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     confirm: int = 2
     expected: float = 0.6
     period: int = 3
-    crowded: float = 4.0
+    crowded: float = 2.8
+    may_meet: float = 6.0
+    held_sigma: float = 0.03
     probes: int = 4
     restarts: int = 3
     requested: float = 0.5

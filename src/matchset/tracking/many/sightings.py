@@ -68,6 +68,8 @@ class Sighting(NamedTuple):
         Which has seen it; None for a search.
     identity : int or None
         That of the new target which it is, where somebody said that it shall be followed.
+    crowded : bool
+        Whether it is next to others: then its size tells little.
     """
 
     track: Track[Any]
@@ -77,6 +79,7 @@ class Sighting(NamedTuple):
     sure: bool = True
     tracker: Tracker[Any] | None = None
     identity: int | None = None
+    crowded: bool = False
 
 
 def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> Sighting:
@@ -104,7 +107,7 @@ def is_inside(place: Gate, image: Image) -> bool:
     """Whether a part of what is at a place can be seen in a picture."""
     height, width = image.shape[:2]
     reach = place.half_width
-    return -reach < place.x < width + reach and -reach < place.y < height + reach
+    return bool(-reach < place.x < width + reach and -reach < place.y < height + reach)
 
 
 def is_near_one(place: Gate, others: Iterable[Gate], distance: float) -> bool:

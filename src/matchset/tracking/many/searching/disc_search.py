@@ -65,7 +65,10 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
         Least radius that is looked for, px.
     again : int
         Pictures after which a place is looked at again at which no ball was seen: less finds one sooner that has come
-        there, more leaves more looks to other places. As often a search is due in any case.
+        there, more leaves more looks to other places.
+    most_again : int
+        A search is due in any case after `again` pictures, and after twice as many each time that nothing is found, up
+        to this: less finds sooner what is small or pale, more costs less.
     covered, vain : float
         Share of its radius within which no place is proposed, around a ball that is known and around a place that was
         looked at in vain.
@@ -87,6 +90,8 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     noticed : float
         Share of the smallest ball's area by which color that nothing explains must have grown for a search to be due:
         less notices balls sooner at the border, more costs less in noise.
+    follows : float
+        Share by which what was left over follows a picture in which there is less of it: more takes noise for a ball.
     explained : float
         How far the color around a ball that is known is its own, in its radius: its blur and shadow.
     radius_cells : float
@@ -105,6 +110,7 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     size_step: float = 1.3
     least_px: float = 3.0
     again: int = 6
+    most_again: int = 48
     covered: float = 0.8
     vain: float = 0.5
     same_place: float = 0.4
@@ -118,6 +124,7 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     expected_odds: float = 2.0
     settled: int = 4
     noticed: float = 0.3
+    follows: float = 0.2
     explained: float = 1.2
     radius_cells: float = 2.0
     discs: DiscDetectorParameters = DiscDetectorParameters(

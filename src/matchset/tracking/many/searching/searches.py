@@ -56,7 +56,9 @@ class Searches:
         self._striped = [label for label in colors if label not in self._discs]
         self._frames = 0
         self._turn = 0
-        self._left_over = dict.fromkeys(self._discs, 0)
+        self._left_over = dict.fromkeys(self._discs, 0.0)
+        self._next = dict.fromkeys(self._discs, 0)  # frames in which a search is due in any case
+        self._rest = dict.fromkeys(self._discs, 0)
 
     @property
     def doubtful(self) -> list[Track[Any]]:
@@ -120,10 +122,10 @@ class Searches:
             sizes = [each.place.half_width for each in known if each.label == label]
             radius = search.smallest(sizes)
             seen = self._count(image, label, places, radius)
-            more = max(seen - self._left_over[label], 0)
-            self._left_over[label] = min(self._left_over[label], seen)
+            more = max(seen - self._left_over[label], 0.0)
             expected = self._expected(frame, predicted, unseen, label)
-            if not (expected or self._is_due(more, radius)):
+            if not (expected or self._is_due(label, more, radius)):
+                self._left_over[label] += self._limits.discs.follows * min(seen - self._left_over[label], 0.0)
                 continue
             missing = more * self._step(radius) ** 2 / (math.pi * search.usual(sizes) ** 2)
             fresh = [
@@ -132,26 +134,47 @@ class Searches:
             found += fresh
             places += [each.place for each in fresh]
             self._left_over[label] = self._count(image, label, places, radius)
+            self._wait(label, bool(fresh or expected), radius)
         return found
+
+    def _wait(self, label: str, found: bool, radius: float) -> None:
+        """Wait with the next search in any case: twice as long as before where nothing was found, and no ball is left.
+
+        Parameters
+        ----------
+        label : str
+        found : bool
+            Whether anything was found, or expected.
+        radius : float
+            Of the smallest ball, px.
+        """
+        limits = self._limits.discs
+        soon = found or self._left_over[label] > self._least(radius)
+        self._rest[label] = limits.again if soon else min(max(2 * self._rest[label], limits.again), limits.most_again)
+        self._next[label] = self._frames + self._rest[label]
 
     def _expected(
         self, frame: Frame, predicted: Predicted, unseen: tuple[Sequence[Followed], Sequence[Tracklet]], label: str
     ) -> list[Gate]:
         """Places in the picture where balls of a color are expected that were lost, those that were lost last first."""
         hidden, ended = unseen
+        late = frame.time - self._limits.expected
+        lost = [each for each in hidden if each.label == label and each.seen > late]
         slots = [each.hypotheses[each.owner()].slot for each in ended if each.label == label]
-        for each in sorted(hidden, key=lambda each: -each.seen):
-            if each.label == label and frame.time - each.seen < self._limits.expected:
-                slots.append(each.slot)
+        slots += [each.slot for each in sorted(lost, key=lambda each: -each.seen)]
         places = [predicted.likeliest(slot)[0] for slot in slots]
         return [place for place in places if is_inside(place, frame.image)][: self._limits.probes]
 
-    def _is_due(self, more: int, radius: float) -> bool:
+    def _is_due(self, label: str, more: float, radius: float) -> bool:
         """Whether more of a color is seen than the balls that are known explain, or it is time to look again."""
         limits = self._limits.discs
-        if self._frames <= limits.settled or self._frames % limits.again == 0:
+        if self._frames <= limits.settled or self._frames >= self._next[label]:
             return True
-        return more > limits.noticed * math.pi * (radius / self._step(radius)) ** 2
+        return more > self._least(radius)
+
+    def _least(self, radius: float) -> float:
+        """Cells of the grid, as a part of the smallest ball, from which more of its color is noticed."""
+        return self._limits.discs.noticed * math.pi * (radius / self._step(radius)) ** 2
 
     def _count(self, image: Image, label: str, places: Sequence[Gate], radius: float) -> int:
         """Pixels of the grid with a color that no place explains."""

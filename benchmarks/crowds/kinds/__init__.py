@@ -1,1 +1,4 @@
-"""Balls of three colors, two sizes of one of them, in one crowd: `Table`, its score, and `python -m ...crowds.kinds`."""
+"""Balls of three colors, one of them in two sizes, in one crowd: `python -m benchmarks.crowds.kinds`.
+
+`table.py`: how such a crowd is composed; `__main__.py`: what is followed and detected after a click on each color.
+"""

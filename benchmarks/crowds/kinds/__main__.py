@@ -70,11 +70,13 @@ def _clicked(table: Table, frames: Frames, label: str) -> ms.ColorModel:
 
 def _followed(frames: Frames, colors: dict[str, ms.ColorModel]) -> Answers:
     tracker = ms.MultiTracker(ms.Circle, colors, MOST)
-    said = [[each for each in tracker.update(frame) if isinstance(each.track, ms.Track)] for frame, _ in frames]
-    return {
-        label: [[Answer(each.identity, each.track.shape) for each in row if each.label == label] for row in said]
-        for label in colors
-    }
+    said: Answers = {label: [] for label in colors}
+    for frame, _ in frames:
+        targets = tracker.update(frame)
+        for label, rows in said.items():
+            found = [(each.identity, each.track) for each in targets if each.label == label]
+            rows.append([Answer(name, track.shape) for name, track in found if isinstance(track, ms.Track)])
+    return said
 
 
 def _detected(frames: Frames, colors: dict[str, ms.ColorModel]) -> Answers:

@@ -9,7 +9,6 @@ from benchmarks.crowds.composed.footage import (
     BALLS,
     REPORTED_BACKGROUNDS,
     TUNED_BACKGROUNDS,
-    backdrop,
     cutouts,
 )
 from benchmarks.crowds.composed.motion import bouncing, rolling, swinging

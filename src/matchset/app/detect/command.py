@@ -12,8 +12,8 @@ DETECT_EPILOG = f"""
 
   matchset detect table.jpg --pick 64,38 --pick 210,95 --all
 
-It prints a line for each: number, x, y, radius, px, and their standard deviations; of several colors a label, too, of which
-the first one clicked has "1". Those most surely right come first.
+It prints a line for each: number, x, y, radius, px, and their standard deviations; of several colors a label,
+too: "1" is the first one clicked. Those most surely right come first.
 
 {EXIT_CODES}
 """

@@ -65,9 +65,7 @@ def _learned(frame: Frame, colors: dict[str, ColorModel], point: tuple[float, fl
 
 def _found(frame: Frame, colors: dict[str, ColorModel], limit: int) -> list[Found]:
     """Balls of all colors with their labels, the likeliest first; of two at one place the likelier one."""
-    found = [
-        (label, track) for label, color in colors.items() for track in detect(frame, Circle, color, limit=limit)
-    ]
+    found = [(label, track) for label, color in colors.items() for track in detect(frame, Circle, color, limit=limit)]
     if len(colors) == 1:
         return found
     kept = list[Found]()

@@ -10,7 +10,7 @@ DETECT_EPILOG = f"""
 
   matchset detect balls.mp4 --pick 427,146@60 --all --most 50 -o found.png
 
-  matchset detect table.jpg --pick 64,38 --pick 210,95 --all
+  matchset detect coins.jpg --pick 64,38 --pick 220,140 --all
 
 It prints a line for each: number, x, y, radius, px, and their standard deviations; of several colors a label,
 too: "1" is the first one clicked. Those most surely right come first.

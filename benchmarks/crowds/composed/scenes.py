@@ -95,6 +95,12 @@ class Composed:
                 seen.append(Seen(at, ms.Circle(*circle), share if at < self.balls else 0.0))
         return sorted(seen)
 
+    def look(self, number: int) -> Look:
+        """Say what a ball looks like."""
+        one, other = self._cut[number]
+        cut = cutouts(self.shown[number])
+        return Look((cut[one], cut[other]), self._gains[self.shown[number]])
+
     def _there(self, time: float) -> tuple[list[int], np.ndarray]:
         """Order of the balls, the farthest first, and where they are."""
         places, depths = self._at(self.course.places, time), self._at(self.course.depths, time)
@@ -110,10 +116,7 @@ class Composed:
 
     def _pictures(self) -> Iterator[Bytes]:
         painter = Painter(backdrop(self.background), self.softness, self.shade, self.course.floor)
-        looks = []
-        for name, (one, other) in zip(self.shown, self._cut, strict=True):
-            cut = cutouts(name)
-            looks.append(Look((cut[one], cut[other]), self._gains[name]))
+        looks = [self.look(number) for number in range(len(self.shown))]
         for index in range(self.frames):
             time, half = index / self.fps, self.shutter / self.fps / 2.0
             order, places = self._there(time)

@@ -173,6 +173,7 @@ class Fitter(Copied, Generic[S]):
         lines = FEW_LINES if points <= FEW_LINES else MAX_LINES
         self.layout = workspace_dtype(lines, max(len(shape.state), STATE), max(where.shape[1], PLACE_COLUMNS))
         self.block = new_block(self.layout)
+        self._hollow = False
         self.validator = Validator(self._limits(), points, self.parameters.evidence)
         self._fill(fields(self.block, self.layout), where, len(shape.state))
         self._answer_shape = (points, 2), (len(family.parameters),) * 2
@@ -197,9 +198,14 @@ class Fitter(Copied, Generic[S]):
 
         Corners speak against round shapes only, and a printed mark has another color inside.
         """
-        limits, changes = self.parameters.validation, {}
+        limits, changes = self.parameters.validation, dict[str, float]()
+        if self._hollow:
+            names = "min_interior", "detection_interior"
+            changes = dict.fromkeys(names, limits.ring_interior) | {"most_interior": limits.ring_filled}
+            changes |= dict.fromkeys(("min_core", "detection_core"), -math.inf)
+            changes |= dict.fromkeys(("max_hollowness", "detection_rim"), math.inf)
         if self.has_corners:
-            changes = {"max_harmonic": math.inf, "max_hollowness": math.inf}
+            changes |= {"max_harmonic": math.inf, "max_hollowness": math.inf}
         if not self.sides_move or not self.uses_color:
             changes["ambiguous_color_score"] = -math.inf
         if not self.uses_color:
@@ -250,13 +256,22 @@ class Fitter(Copied, Generic[S]):
 
     def refine(self, image: Image, color: ColorModel) -> int:
         """Fit the shape near the state in the workspace, by the window there; the `Rejection` as a track."""
+        self._suit(color)
         return self._step(image, color.table, self.block, 0.0, 0.0)
+
+    def _suit(self, color: ColorModel) -> None:
+        """Ask less of the inside of a ring."""
+        if color.is_hollow != self._hollow:
+            self._hollow = color.is_hollow
+            self.validator.limits = self._limits()
+            store(self.work.validation, self.validator.limits)
 
     def track(self, image: Image, color: ColorModel, time: float, interval: float) -> int:
         """Fit the shape where its motion has it at a time, s, an interval after the last frame, and correct that.
 
         Returns the `Rejection`; where it is not `Rejection.NONE` the motion is as it was predicted.
         """
+        self._suit(color)
         return self._step(image, color.table, self.block, time, interval)
 
     def estimate(self, rejection: int) -> Estimate:
@@ -264,14 +279,14 @@ class Fitter(Copied, Generic[S]):
         return Estimate(self.state.copy(), self.statistics, Rejection(rejection))
 
     def weighs(self, color: ColorModel) -> bool:
-        """Whether the evidence of fits is weighed: not of shapes with corners, nor where brightness tells.
+        """Whether the evidence of fits is weighed: not of shapes with corners, of rings, nor where brightness tells.
 
         Parameters
         ----------
         color : ColorModel
             Of the target.
         """
-        return not (self.has_corners or color.gray)
+        return not (self.has_corners or color.gray or color.is_hollow)
 
     def weigh(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
         """Estimate of the last fit with its evidence, if that is weighed.

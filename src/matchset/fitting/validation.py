@@ -110,6 +110,11 @@ class ValidationParameters(msgspec.Struct, frozen=True):
         highlight and things in front of it do not.
     min_core, detection_core : float
         The same for the middle alone, which a ring does not fill.
+    ring_interior, ring_filled : float
+        The same of all of the inside of a ring, whose middle has another color; and the largest: the dot in its middle
+        is no ring.
+    most_interior : float
+        Largest share of the inside with the target's color; a fitter of rings lowers it.
     min_visible : float
         Least share of the outline that must be in the picture.
     left_visible : float
@@ -157,6 +162,9 @@ class ValidationParameters(msgspec.Struct, frozen=True):
     detection_interior: float = 0.5
     min_core: float = 0.12
     detection_core: float = 0.25
+    ring_interior: float = 0.15
+    ring_filled: float = 0.8
+    most_interior: float = 1.0
     min_visible: float = 0.3
     left_visible: float = 0.3
     whole_visible: float = 0.9
@@ -204,6 +212,8 @@ def validate_track(fit: Statistics, limits: Limits, lines: int) -> int:
     if fit.msac_score < limits.min_msac_score or is_wrong_shape(fit, limits, limits.track_leeway):
         return Rejection.WRONG_SHAPE.value
     if fit.interior_share < limits.min_interior or fit.core_share < limits.min_core:
+        return Rejection.WRONG_INTERIOR.value
+    if fit.interior_share > limits.most_interior:
         return Rejection.WRONG_INTERIOR.value
     return Rejection.NONE.value
 
@@ -275,7 +285,7 @@ class Validator:
             return Rejection.WRONG_SHAPE
         if fit.interior_share < limits.detection_interior or fit.core_share < limits.detection_core:
             return Rejection.WRONG_INTERIOR
-        return Rejection.NONE
+        return Rejection.WRONG_INTERIOR if fit.interior_share > limits.most_interior else Rejection.NONE
 
     def _leeway_of(self, prior: Prior) -> float:
         """Factor on the limits of a shape: more for one that was there, or is said to be."""

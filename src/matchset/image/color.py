@@ -22,6 +22,7 @@ from matchset.image.display.swatch import colors_in_words, swatch_of
 from matchset.image.files.color_file import ColorFile, read_color, write_color
 from matchset.image.frame import Picture, image_of
 from matchset.image.hsv_range import hsv_share
+from matchset.image.ring import is_ring
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
@@ -51,9 +52,9 @@ class ColorModel(Copied):
         second. Each has a name ("ball", "spot on it", "ball around it", "another ball", "region"), a circle, px, and
         the log-odds that it was meant. Empty for a model that was not picked; not kept in files.
     sample : Sample or None
-        What was around that circle in the picture that was clicked.
-    is_local : bool
-        Whether it was learned against what is next to the target alone, since its color is all over the picture.
+        What was around that circle in the picture that was clicked; None of a ring.
+    is_local, is_hollow : bool
+        Whether it was learned against what is next to the target, since its color is all over; whether that is a ring.
     note : str
         What a user should know of how it was learned; empty if nothing.
 
@@ -67,7 +68,7 @@ class ColorModel(Copied):
         self.gray: Gray = gray
         self.circle: tuple[float, float, float] | None = None
         self.sample: Sample | None = None
-        self.is_local, self.note = False, ""
+        self.is_local, self.is_hollow, self.note = False, False, ""
         self._alternatives: tuple[Reading, ...] = ()
         try:
             values = np.array(log_odds, np.float32)
@@ -173,6 +174,8 @@ class ColorModel(Copied):
         if isinstance(model, str):
             raise ValueError(REFUSED.format(x, y, model))
         model.circle, model.sample, model._alternatives = taken.circle, sample_of(image, taken.circle), readings
+        if is_ring(model.scores, model.sample):
+            model.is_hollow, model.sample = True, None
         return model
 
     @classmethod
@@ -231,10 +234,8 @@ class ColorModel(Copied):
         hits, false = np.mean(alike[target]), np.mean(alike[outside])
         if hits >= parameters.least_hits and false <= parameters.most_false * hits:
             return model
-        return (
-            "its color cannot be told from the background "
-            f"({100 * hits:.0f} % of it stands out, and so does {100 * false:.0f} % of the rest)"
-        )
+        shares = f"{100 * hits:.0f} % of it stands out, and so does {100 * false:.0f} % of the rest"
+        return f"its color cannot be told from the background ({shares})"
 
     @classmethod
     def hsv(cls, low: tuple[int, int, int], high: tuple[int, int, int]) -> "ColorModel":
@@ -325,8 +326,8 @@ class ColorModel(Copied):
     def copy(self) -> "ColorModel":
         """Make a model of its own, so that adapting it leaves this one alone."""
         model = ColorModel(self.log_odds, self.gray)
-        model.circle, model.sample, model.is_local, model.note = self.circle, self.sample, self.is_local, self.note
-        model._alternatives = self._alternatives
+        model.circle, model.sample, model._alternatives = self.circle, self.sample, self._alternatives
+        model.is_local, model.is_hollow, model.note = self.is_local, self.is_hollow, self.note
         return model
 
     def scores(self, pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
@@ -375,7 +376,7 @@ class ColorModel(Copied):
         path : str or Path
             Where; the name is taken as it is.
         """
-        write_color(Path(path), ColorFile(self.log_odds, self.gray, self.sample, self.is_local))
+        write_color(Path(path), ColorFile(self.log_odds, self.gray, self.sample, self.is_local, self.is_hollow))
 
     @classmethod
     def load(cls, path: str | Path) -> "ColorModel":
@@ -395,5 +396,5 @@ class ColorModel(Copied):
             model = cls(kept.log_odds, kept.gray)
         except ValueError as error:
             raise ValueError(f"not a color file: {path} ({error})") from error
-        model.sample, model.is_local = kept.sample, kept.is_local
+        model.sample, model.is_local, model.is_hollow = kept.sample, kept.is_local, kept.is_hollow
         return model

@@ -82,3 +82,28 @@ def test_what_is_refused(
 ) -> None:
     assert matchset("detect", photograph, "--pick", "50,50", *words) == 2
     assert said in capsys.readouterr().err
+
+
+def test_balls_of_two_clicked_colors_are_found_in_one_call_with_their_labels(
+    matchset: Matchset, photograph: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("detect", photograph, "--pick", "50,50", "--pick", "300,110", "--all") == 0
+    out = capsys.readouterr().out
+    assert out.splitlines()[-1] == "13 found"
+    assert sorted(row[-1] for row in rows(out)) == [1.0] * 12 + [2.0]
+    assert [row[1:3] for row in rows(out) if row[-1] == 2.0] == [pytest.approx(ODD, abs=1.0)]
+
+
+def test_of_several_clicks_without_all_each_gives_the_ball_it_is_on(
+    matchset: Matchset, photograph: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("detect", photograph, "--pick", "300,110", "--pick", "172,108", "--pick", "50,50") == 0
+    places = [row[1:3] for row in rows(capsys.readouterr().out)]
+    assert places == [pytest.approx(place, abs=1.0) for place in (ODD, (170, 110), (50, 50))]
+
+
+def test_clicks_in_two_pictures_are_refused(
+    matchset: Matchset, photograph: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("detect", photograph, "--pick", "50,50", "--pick", "300,110@3") == 2
+    assert "every --pick must be in one picture" in capsys.readouterr().err

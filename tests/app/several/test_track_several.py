@@ -14,7 +14,7 @@ import pytest
 
 import matchset as ms
 from blue_ball import Matchset
-from matchset.app.several.chosen import PARAMETERS, shared_part
+from matchset.app.several.chosen import PARAMETERS, labelled, shared_part
 from matchset.app.several.painter import PALETTE, color_of, draw_targets, target_words
 from matchset.app.track.loop import UNDECODED
 from matchset.app.track.rows import read_tracks
@@ -368,3 +368,12 @@ def test_the_video_shows_every_frame(matchset: Matchset, balls: Path) -> None:
     assert matchset("track", balls, "--pick", BLUE_PICK, "--all", "-o", "out", "--video", "out.avi") == 0
     video = cv2.VideoCapture("out.avi")
     assert sum(video.grab() for _ in range(FRAMES + 5)) == FRAMES
+
+
+def test_two_clicks_on_one_color_know_what_was_around_the_first() -> None:
+    image = picture(0)
+    blue, other, red = (ms.ColorModel.pick(image, *place) for place in places(0))
+    colors = dict[str, ms.ColorModel]()
+    assert [labelled(colors, each) for each in (blue, other, red)] == ["1", "1", "2"]
+    assert colors["1"].sample is blue.sample is not None
+    assert colors["1"].circle == blue.circle

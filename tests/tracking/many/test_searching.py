@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import matchset as ms
+from matchset.tracking.many.searching.disc_search import DiscSearch
 from matchset.tracking.many.searching.unexplained import unexplained
 
 Image = npt.NDArray[np.uint8]
@@ -72,6 +73,13 @@ def test_what_is_left_out_is_said_by_number() -> None:
     targets = tracker.update(picture(*places))
     assert tracker.left_out == len(places) - 4
     assert len(targets) <= 4
+
+
+def test_both_sizes_of_one_color_are_searched_for_in_every_picture() -> None:
+    search = DiscSearch(color_of(picture((40, 60)), 40, 60), 64)
+    assert search.smallest([18.0, 17.0, 16.0]) == pytest.approx(0.6 * 17.0)
+    assert search.smallest([18.0, 17.0, 8.0]) == pytest.approx(0.6 * 17.0)  # one small outline may be wrong
+    assert search.smallest([18.0, 17.0, 8.0, 8.2]) == pytest.approx(0.6 * 8.1)
 
 
 @pytest.mark.parametrize("color", [BLUE, PLAIN])

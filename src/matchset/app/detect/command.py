@@ -10,20 +10,25 @@ DETECT_EPILOG = f"""
 
   matchset detect balls.mp4 --pick 427,146@60 --all --most 50 -o found.png
 
-It prints a line for each: number, x, y, radius, px, and their standard deviations. Those most surely right come first.
+  matchset detect coins.jpg --pick 64,38 --pick 220,140 --all
+
+It prints a line for each: number, x, y, radius, px, and their standard deviations; of several colors a label,
+too: "1" is the first one clicked. Those most surely right come first.
 
 {EXIT_CODES}
 """
 
 
 def detect(options: DetectOptions) -> int:
-    """Find the ball that was clicked in a photograph, or all that look like it, and draw them."""
+    """Find each ball that was clicked in a photograph, or all that look like them, and draw them."""
     from matchset.app.run_folder import check_run
 
     if options.most is not None and not options.every:
         raise ValueError("--most is of several: give --all")
     if options.out is not None and options.out.suffix.lower() not in (".png", ".jpg"):
         raise ValueError(f"-o names a picture (.png or .jpg), got {str(options.out)!r}")
+    if len(options.picks) > 1 and options.reading != 1:
+        raise ValueError(f"--reading {options.reading} is of one --pick, got {len(options.picks)}")
     check_run(None, (), [options.out], [options.source], options.force)
     from matchset.app.detect.run import run_detect
 

@@ -15,7 +15,14 @@ class DetectOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options of `matchset detect`."""
 
     source: Source
-    pick: Annotated[str, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")]
+    picks: Annotated[
+        list[str],
+        typer.Option(
+            "--pick",
+            metavar="X,Y[@FRAME]",
+            help="A pixel on the ball, in frame 0 or FRAME; several times for balls of several colors.",
+        ),
+    ]
     topic: Topic = None
     view: ViewOptions = ViewOptions()
     reading: ReadingNumber = 1

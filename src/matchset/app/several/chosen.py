@@ -129,7 +129,7 @@ def chosen_targets(video: Video, options: TypedOptions, ball: bool) -> ChosenTar
         learned, frames = target_for(video, single)
         learned.say_notes()
         taken += frames
-        label = _labelled(colors, learned)
+        label = labelled(colors, learned.color)
         if learned.start is not None:
             radius = (learned.color.circle or (0.0, 0.0, 0.0))[2]
             picks.append(_apart(picks, PickedTarget(learned.start, learned.frame, label, radius)))
@@ -162,18 +162,24 @@ def _apart(picks: list[PickedTarget], pick: PickedTarget) -> PickedTarget:
     return pick
 
 
-def _labelled(colors: dict[str, ColorModel], learned: LearnedTarget) -> str:
+def labelled(colors: dict[str, ColorModel], color: ColorModel) -> str:
     """Add a color to those that there are, joined with one that is the same; return its label, "1", "2", ..."""
-    color: ColorModel = learned.color
     for label, other in colors.items():
         if shared_part(color, other) >= PARAMETERS.share:
             if not color.gray:
-                colors[label] = other | color
+                colors[label] = _joined(other, color)
             print(f"note: this has the color {label}, too", file=sys.stderr)
             return label
     label = str(len(colors) + 1)
     colors[label] = color
     return label
+
+
+def _joined(one: ColorModel, other: ColorModel) -> ColorModel:
+    """Join two clicks on one color; what was around the first is known on, so that balls are searched for by it."""
+    joined = one | other
+    joined.circle, joined.sample, joined.is_local, joined.note = one.circle, one.sample, one.is_local, one.note
+    return joined
 
 
 def shared_part(one: ColorModel, other: ColorModel) -> float:

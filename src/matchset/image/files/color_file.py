@@ -30,14 +30,15 @@ class ColorFile(NamedTuple):
         See `ColorModel`.
     sample : Sample or None
         None in files of several colors, and of versions before it.
-    is_local : bool
-        See `ColorModel`; not so in files of versions before it.
+    is_local, is_hollow : bool
+        See `ColorModel`; not so in files of versions before them.
     """
 
     log_odds: npt.NDArray[np.float32]
     gray: Gray
     sample: Sample | None
     is_local: bool = False
+    is_hollow: bool = False
 
 
 def write_color(path: Path, color: ColorFile) -> None:
@@ -52,8 +53,7 @@ def write_color(path: Path, color: ColorFile) -> None:
     if color.sample is not None:
         image, circle, radius = color.sample
         arrays |= {"sample": image, "circle": np.array((*circle, radius))}
-    if color.is_local:
-        arrays["is_local"] = np.array(True)
+    arrays |= {name: np.array(True) for name in ("is_local", "is_hollow") if getattr(color, name)}
     archive = io.BytesIO()
     np.savez_compressed(archive, matchset_color=np.int64(VERSION), **arrays)
     write_whole(path, archive.getvalue())
@@ -85,11 +85,11 @@ def read_color(path: Path) -> ColorFile:
             version, log_odds = int(archive["matchset_color"]), np.asarray(archive["log_odds"])
             gray = str(archive["gray"]) if "gray" in archive else ""
             sample = _sample(archive["sample"], archive["circle"]) if "sample" in archive else None
-            is_local = "is_local" in archive and bool(archive["is_local"])
+            is_local, is_hollow = (name in archive and bool(archive[name]) for name in ("is_local", "is_hollow"))
             if sample is not None and sample.image.shape[2] == 1 and log_odds.size != GRAY_LEVELS:
                 raise ValueError("its sample is gray, its table is not")
         if version == VERSION and gray in ("", "dark", "light", "edges"):
-            return ColorFile(log_odds, cast(Gray, gray), sample, is_local)
+            return ColorFile(log_odds, cast(Gray, gray), sample, is_local, is_hollow)
     except FileNotFoundError:
         raise MissingFileError(f"no such color file: {path}") from None
     except Exception as error:  # whatever NumPy and zipfile make of a foreign file

@@ -147,7 +147,8 @@ class Searcher:
         edges = self._edges[: find_edges(smooth, self._edges)]
         if not len(edges):
             return np.zeros((0, 4))
-        rough = np.concatenate((self._near.find_circles(smooth, edges), self._far.find_circles(smooth, edges)))
+        way = np.ones_like(smooth) if color.is_hollow else smooth  # to its middle a ring has another color
+        rough = np.concatenate((self._near.find_circles(way, edges), self._far.find_circles(way, edges)))
         if not len(rough):
             return rough
         for _ in range(limits.rounds):

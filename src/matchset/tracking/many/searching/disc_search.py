@@ -61,6 +61,12 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
         Sizes that are looked for in a picture at most: those of lost balls come first.
     size_step : float
         Factor between sizes from which both are looked for.
+    kind_step : float
+        Factor between the sizes of two balls, with no other ball between them, from which they are of two kinds, both
+        of which are looked for: less takes equal balls at two distances for two kinds, each of which gets fewer looks.
+    kind_balls : int
+        How many balls of a size must be followed for it to be a kind: less finds a second one sooner, and lets one
+        wrong outline find others like it.
     least_px : float
         Least radius that is looked for, px.
     again : int
@@ -108,6 +114,8 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     scales: tuple[float, ...] = (1.0, 0.6, 1.0, 1.6)
     sizes: int = 3
     size_step: float = 1.3
+    kind_step: float = 1.5
+    kind_balls: int = 2
     least_px: float = 3.0
     again: int = 6
     most_again: int = 48
@@ -189,7 +197,18 @@ class DiscSearch:
 
     def smallest(self, sizes: Sequence[float]) -> float:
         """Radius of the smallest ball that is looked for, px."""
-        return max(min(self.parameters.scales) * self.usual(sizes), self.parameters.least_px)
+        return max(min(self.parameters.scales) * min(self._kinds(sizes)), self.parameters.least_px)
+
+    def _kinds(self, sizes: Sequence[float]) -> list[float]:
+        """Radii that are looked for first, px: the median of each group of sizes; of one group only, the usual one."""
+        groups = list[list[float]]()
+        for size in sorted(sizes):
+            if groups and size < self.parameters.kind_step * groups[-1][-1]:
+                groups[-1].append(size)
+            else:
+                groups.append([size])
+        kinds = [float(np.median(group)) for group in groups if len(group) >= self.parameters.kind_balls]
+        return kinds if len(kinds) > 1 else [self.usual(sizes)]
 
     def update(self, frame: Frame, sought: Sought) -> list[Track[Any]]:
         """Search a picture.
@@ -252,10 +271,11 @@ class DiscSearch:
         covered = [(each.x, each.y, limits.covered * each.half_width) for each in sought.known]
         covered += [(x, y, limits.vain * radius) for (x, y, radius), _ in self._in_vain]
         scales = dict.fromkeys(limits.scales) if not self._searched else (limits.scales[which],)
+        kinds = self._kinds(sought.sizes)
         radii = list[float]()
         for size in [
             *(each.half_width for each in sought.lost),
-            *(scale * self.usual(sought.sizes) for scale in scales),
+            *(scale * kind for scale in scales for kind in kinds),
         ]:
             radius = max(size, limits.least_px)
             if all(abs(math.log(radius / other)) > math.log(limits.size_step) for other in radii):
@@ -283,7 +303,10 @@ class DiscSearch:
             and abs(math.log(shape.radius / each.half_width)) < limits.alike
             for each in sought.lost
         )
-        return max(limits.alike_odds * is_alike, limits.expected_odds * is_expected)
+        odds = max(limits.alike_odds * is_alike, limits.expected_odds * is_expected)
+        if is_alike and len(self._kinds(sought.sizes)) > 1:
+            odds -= limits.discs.weights.size * abs(math.log(shape.radius / self._clicked))
+        return odds
 
     def _outlined(self, frame: Frame, place: Circle3) -> Track[Any] | None:
         """Ball at a place if its outline is clear."""

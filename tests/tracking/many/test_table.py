@@ -9,7 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import matchset as ms
+from matchset.tracking.many.motion_bank import ManyMotionParameters, MotionBank, Predicted
+from matchset.tracking.many.sightings import Sighting
 from matchset.tracking.many.table import Rolling, TableParameters, after_impact, friction_of, hits
+from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -87,13 +90,38 @@ def test_a_graze_is_less_certain_than_a_full_hit() -> None:
     assert full[1].variance > 4.0
 
 
-@given(st.floats(0.001, 3.0), st.floats(0.001, 3.0), st.floats(0.0, 5.0))
+@given(st.floats(0.001, 3.0), st.floats(0.001, 3.0), st.just(0.0) | st.floats(0.001, 5.0))
 def test_friction_in_two_steps_is_friction_in_one(first: float, second: float, friction: float) -> None:
     (one, left), (other, later), (both, least) = (
         friction_of(np.array(each), friction) for each in (first, second, first + second)
     )
     assert one + left * other == pytest.approx(float(both))
     assert left * later == pytest.approx(float(least))
+
+
+def odds_of_right_names(table: TableParameters | None) -> float:
+    """Log-odds of the right names against exchanged ones, after two have run into each other between two pictures."""
+    bank = MotionBank(4, ManyMotionParameters(table=table))
+    slots = [bank.begin(Gate(x, 50.0, 10.0), 0.0) for x in (0.0, 390.0)]
+    for t in (0.1, 0.2, 0.3):
+        bank.correct(slots, [seen_at(600.0 * t), seen_at(390.0 - 600.0 * t)], t)
+    bank.foresee([[slot] for slot in slots], 0.4)
+    predicted, after = Predicted(bank, 0.4), (130.0, 260.0)
+    one, other = (
+        [predicted.likelihood(slot, Gate(x, 50.0, 10.0), 1.0).log for slot, x in zip(slots, places, strict=True)]
+        for places in (after, after[::-1])
+    )
+    return sum(one) - sum(other)
+
+
+def seen_at(x: float) -> Sighting:
+    track = ms.Track(ms.Circle(x, 50.0, 10.0), 0.01 * np.eye(3), 1.0, np.zeros((0, 2)), 0.0)
+    return Sighting(track, Gate(x, 50.0, 10.0), 1.0, "0")
+
+
+def test_the_right_names_are_likelier_after_an_impact_and_without_the_table_the_wrong_ones() -> None:
+    assert odds_of_right_names(TableParameters()) > 5.0
+    assert odds_of_right_names(None) < 0.0
 
 
 def drawn(places: list[tuple[float, float]]) -> Bytes:

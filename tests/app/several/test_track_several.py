@@ -246,6 +246,7 @@ def test_a_refused_click_is_explained(matchset: Matchset, balls: Path, capsys: p
         (("--pick", "60,60", "--all", "--most", "101"), "--most must be 1 to 100, got 101"),
         (("--pick", "60,60", "--most", "3"), "--most is of several targets: give --all"),
         (("--pick", "60,60", "--smooth"), "--smooth is of several targets: give --all"),
+        (("--pick", "60,60", "--on-table"), "--on-table is of several targets: give --all"),
         (("--pick", "60,60", "--pick", "9,9", "--most", "1"), "--most 1 is less than the number of --pick, 2"),
         (("--pick", "60,60", "--pick", "60,60"), "--pick 60,60 is given twice"),
         (("--pick", "60,60", "--pick", "250"), "--pick is X,Y or X,Y@FRAME, as in 427,146@60, got '250'"),

@@ -25,7 +25,7 @@ from matchset.image.frame import Frame
 from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 
-_KEPT = {"every": "--all", "most": "--most", "smooth": "--smooth"}
+_KEPT = {"every": "--all", "most": "--most", "smooth": "--smooth", "on_table": "--on-table"}
 
 
 class SharingParameters(msgspec.Struct, frozen=True):

@@ -57,7 +57,8 @@ def run_locate_several(options: LocateOptions) -> int:
         command = failed_run(options, "locate", Circle, kept, video.live)
         chosen, marker_color = _with_markers(video, options, chosen_or_explained(video, options, command))
         parameters = MultiTrackerParameters(points=options.points)
-        tracker = MultiTracker(Circle, chosen.colors, chosen.most, parameters, finds=chosen.finds)
+        table = options.several.on_table
+        tracker = MultiTracker(Circle, chosen.colors, chosen.most, parameters, finds=chosen.finds, on_table=table)
         known = known_targets(options, video, tracker, chosen, stop)
         follower = known or TargetsFollower(tracker, chosen.picks, chosen.finds)
         locator = TargetsLocator(follower, camera, ball, marker_color)

@@ -29,6 +29,9 @@ class SeveralOptions(msgspec.Struct, frozen=True, kw_only=True):
             "--smooth", help="Read a file forward and backward: identities are corrected by what comes later."
         ),
     ] = False
+    on_table: Annotated[
+        bool, typer.Option("--on-table", help="They roll on a table seen from above, and bounce off each other.")
+    ] = False
 
 
 class MotOptions(SeveralOptions, frozen=True, kw_only=True):
@@ -117,7 +120,12 @@ def check_several(options: TypedOptions) -> None:
     if most is not None and not 1 <= most <= 100:
         raise ValueError(f"--most must be 1 to 100, got {most}")
     if not are_several(options):
-        for option, given in (("--most", most is not None), ("--smooth", options.several.smooth)):
+        several = options.several
+        for option, given in (
+            ("--most", most is not None),
+            ("--smooth", several.smooth),
+            ("--on-table", several.on_table),
+        ):
             if given:
                 raise ValueError(
                     f"{option} is of several targets: give --all, --pick several times or --color NAME=FILE"

@@ -46,7 +46,8 @@ def run_several(options: TrackOptions) -> int:
         command = failed_run(options, "track", family, kept_options(options, _KEPT), video.live)
         chosen = chosen_or_explained(video, options, command)
         parameters = MultiTrackerParameters(points=options.points)
-        tracker = MultiTracker(family, chosen.colors, chosen.most, parameters, finds=chosen.finds)
+        table = options.several.on_table
+        tracker = MultiTracker(family, chosen.colors, chosen.most, parameters, finds=chosen.finds, on_table=table)
         known = known_targets(options, video, tracker, chosen, stop)
         follower = known or TargetsFollower(tracker, chosen.picks, chosen.finds)
         folder = output_folder(options.out, "track", options.force)

@@ -164,6 +164,32 @@ class Linking:
                 tracklet.hypotheses[each] = Hypothesis(self.bank.copied(each.slot), score)
                 tracklet.doubted = 0
 
+    def foresee(self, time: float) -> None:
+        """Foresee which targets on a table hit each other until a time, s."""
+        groups = [[hypothesis.slot for hypothesis in each.hypotheses.values()] for each in self.tracklets]
+        self.bank.foresee([*groups, *([each.slot] for each in self.hidden())], time)
+
+    def doubt_rivals(self, seen: dict[Tracklet, Sighting], predicted: Predicted, rival: float) -> None:
+        """Doubt whose the tracklets are that on a table another target explains nearly as well as their own."""
+        slots = {
+            each: each.slot if each.tracklet is None else each.tracklet.hypotheses[each].slot for each in self.targets
+        }
+        for tracklet, sighting in seen.items():
+            if not tracklet.is_certain:
+                continue
+            owner = tracklet.owner()
+            own = predicted.likelihood(slots[owner], sighting.place, sighting.variance).log
+            for each, slot in slots.items():
+                if each.label != tracklet.label or each is owner:
+                    continue
+                if predicted.likelihood(slot, sighting.place, sighting.variance).log < own + rival:
+                    continue
+                if tracklet.is_certain:
+                    tracklet.hypotheses[owner] = Hypothesis(self.bank.copied(owner.slot), 0.0)
+                    tracklet.is_certain = False
+                tracklet.hypotheses[each] = Hypothesis(self.bank.copied(slot), 0.0)
+                tracklet.doubted = 0
+
     def go_on(self, seen: dict[Tracklet, Sighting], time: float, calm: bool) -> None:
         """Correct the filters of all hypotheses of tracklets by their new sightings, and weigh those in doubt.
 

@@ -11,12 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.tracking.many.sightings import Sighting
+from matchset.tracking.many.table import Hit, Rolling, TableParameters, friction_of, hits
 from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
-STEADY, BALLISTIC, HALTED = range(3)  # format: models of motion; the last has no filter of its own
+STEADY, BALLISTIC, HALTED, HIT, STRUCK = range(5)  # format: models of motion; the first two have filters of their own
 ORDERS = 3  # format: position, velocity and acceleration of each axis
 IDENTITY = np.eye(ORDERS)  # format: of the transition
 TINY = 1e-9  # format: a probability of nearly nothing, whose logarithm is a number
@@ -54,6 +55,8 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     size_gain, crowded_size_gain : float
         Share of a new ln(half-width) that is taken over, and next to others, where an outline may take in a part of
         another one.
+    table : TableParameters or None
+        How they move if they roll on a table, without free flight; None: they need not.
     """
 
     acceleration: float = 40.0
@@ -71,6 +74,7 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     size_rate: float = 0.5
     size_gain: float = 0.3
     crowded_size_gain: float = 0.1
+    table: TableParameters | None = None
 
     @property
     def center_sigmas(self) -> tuple[float, float]:
@@ -194,6 +198,20 @@ class MotionBank:
         self._free = list(range(slots))  # a heap: the first slots are used, and only these are predicted
         self._used = 0
         self._noted: tuple[Sequence[int], Sequence[Sighting], float] | None = None
+        self._hits = dict[int, Hit]()
+
+    def foresee(self, groups: Sequence[Sequence[int]], time: float) -> None:
+        """Foresee which targets on a table hit each other until a time, s; slots of a group are of one place."""
+        self._catch_up()
+        self._hits.clear()
+        at = np.array([group[0] for group in groups], np.intp)
+        if self.limits.table is None or len(at) < 2 or not (passed := time - float(self._time[at].max())) > 0.0:
+            return
+        states, covariances = self._ahead(at, time - passed)
+        variances = covariances[:, STEADY, 0, 0], covariances[:, STEADY, 1, 1]
+        balls = Rolling(states[:, STEADY, 0], states[:, STEADY, 1], np.exp(self._size[at]), *variances)
+        for k, hit in hits(balls, passed, self.limits.table).items():
+            self._hits.update(dict.fromkeys(groups[k], hit))
 
     def begin(self, place: Gate, time: float) -> int:
         """Begin at a place of which nothing else is known, at a time, s; return the slot."""
@@ -213,10 +231,13 @@ class MotionBank:
         slot = self._take()
         for each in (self._state, self._covariance, self._scores, self._size, self._sightings, self._time):
             each[slot] = each[source]
+        if source in self._hits:
+            self._hits[slot] = self._hits[source]
         return slot
 
     def free(self, slot: int) -> None:
         """Take a slot back."""
+        self._hits.pop(slot, None)
         heapq.heappush(self._free, slot)
 
     def _take(self) -> int:
@@ -241,13 +262,13 @@ class MotionBank:
         states, covariances = self._ahead(used, time)
         odds = np.exp(self._scores[used] - self._scores[used].max(axis=1, keepdims=True))
         shares = np.maximum(odds / odds.sum(axis=1, keepdims=True), self.limits.changes)
-        shares[self._sightings[used] < self.limits.steady_first] = 1.0, TINY
+        shares[(self._sightings[used] < self.limits.steady_first) | (self.limits.table is not None)] = 1.0, TINY
         gone, half_widths = np.maximum(time - self._time[used], 0.0), np.exp(self._size[used])
         halted = -np.expm1(-gone / self.limits.halts_within)  # how likely it has come to rest, or was caught, meanwhile
         halted = np.clip(halted, TINY, 1.0 - TINY)[:, None]
         last = self._state[used, STEADY, 0]
         drift = self._covariance[used, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
-        return Tables(
+        tables = Tables(
             np.concatenate((states[:, :, 0], last[:, None]), axis=1),
             np.concatenate((states[:, :, 1], np.zeros_like(last)[:, None]), axis=1),
             np.concatenate((covariances[:, :, 0, 0], drift[:, None]), axis=1),
@@ -255,6 +276,46 @@ class MotionBank:
             half_widths,
             self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2,
         )
+        return tables if self.limits.table is None else self._on_table(tables, gone, self.limits.table)
+
+    def _on_table(self, tables: Tables, gone: Floats, table: TableParameters) -> Tables:
+        """Add what may have hit a target: another one, or something that is not seen."""
+        used = len(gone)
+        reach, _ = friction_of(gone, table.friction)
+        struck = 0.5 * (self._state[:used, STEADY, 1] ** 2).sum(axis=1) + (table.struck_speed * tables.half_widths) ** 2
+        added = self._state[:used, STEADY, 0][:, None].repeat(2, axis=1), np.zeros((used, 2, 2)), np.ones((used, 2))
+        shares = np.full((used, 2), (TINY, table.struck))
+        added[2][:, 1] = self._covariance[:used, STEADY, 0, 0] + struck * reach**2
+        for slot, hit in self._hits.items():
+            if slot < used:
+                added[0][slot, 0], added[1][slot, 0], added[2][slot, 0] = hit.place, hit.velocity, hit.variance
+                shares[slot, 0] = max(hit.share * (1.0 - table.struck), TINY)
+        left = np.maximum(1.0 - shares.sum(axis=1, keepdims=True), self.limits.changes)
+        known = np.concatenate((tables.log_weights + np.log(left), np.log(shares)), axis=1)
+        centers, velocities, variances = (np.concatenate(pair, axis=1) for pair in zip(tables[:3], added, strict=True))
+        return Tables(centers, velocities, variances, known, tables.half_widths, tables.size_variances)
+
+    def _bounced(
+        self, at: Indices, seen: Floats, variances: Floats, time: float
+    ) -> list[tuple[int, Floats, tuple[float, float, float]]]:
+        """Slots that have hit something, by their sightings; with the state and the variances that they have then."""
+        tables, bounced = self.tables(time), []
+        total = tables.variances[at] + variances[:, None]
+        apart = seen[:, None, :2] - tables.centers[at]
+        models = (tables.log_weights[at] - 0.5 * (apart**2).sum(axis=2) / total - np.log(total)).argmax(axis=1)
+        for k in np.flatnonzero(models >= HIT).tolist():
+            slot, offset = int(at[k]), apart[k, models[k]]
+            hit = self._hits.get(slot) if models[k] == HIT else None
+            if hit is not None:
+                gain = hit.since * hit.speed_variance / total[k, HIT]
+                velocity = np.add(hit.velocity, gain * offset)
+                spread = hit.speed_variance * (1.0 - gain * hit.since)
+            else:
+                velocity = offset / max(time - self._time.item(slot), TINY)
+                spread = 0.25 * float((velocity**2).sum())
+            state = np.stack((seen[k, :2], velocity, np.zeros(2)))
+            bounced.append((slot, state, (float(variances[k]), spread, 0.0)))
+        return bounced
 
     def note(self, slots: Sequence[int], sightings: Sequence[Sighting], time: float) -> None:
         """Correct slots by sightings, as `correct`, once it is asked for what they tell; of several the last count."""
@@ -274,6 +335,7 @@ class MotionBank:
             return
         places, variances = [each.place for each in sightings], [each.variance for each in sightings]
         at, seen = np.array(slots), np.array(places)
+        bounced = self._bounced(at, seen, np.array(variances), time) if self.limits.table is not None else []
         states, covariances = self._ahead(at, time)
         total = covariances[:, :, 0, 0] + np.array(variances)[:, None]
         innovations = seen[:, None, :2] - states[:, :, 0]
@@ -282,6 +344,8 @@ class MotionBank:
         self._scores[at] = self.limits.memory * self._scores[at] - 0.5 * squared - np.log(total)
         self._state[at] = states + gains[:, :, :, None] * innovations[:, :, None, :]
         self._covariance[at] = covariances - gains[:, :, :, None] * covariances[:, :, 0][:, :, None, :]
+        for slot, state, variance in bounced:
+            self._state[slot], self._covariance[slot] = state, np.diag(variance)
         crowded = np.array([each.crowded for each in sightings])
         gain = np.where(crowded, self.limits.crowded_size_gain, self.limits.size_gain)
         self._size[at] += gain * (np.log(seen[:, 2]) - self._size[at])
@@ -296,6 +360,9 @@ class MotionBank:
         transition[:] = IDENTITY
         transition[:, :, 0, 1] = ahead[:, None]
         transition[:, BALLISTIC, 0, 2], transition[:, BALLISTIC, 1, 2] = half, ahead
+        if limits.table is not None:
+            rolled, slower = friction_of(ahead, limits.table.friction)
+            transition[:, STEADY, 0, 1], transition[:, STEADY, 1, 1] = rolled, slower
         noise[:, STEADY, 0], noise[:, STEADY, 1] = limits.acceleration * size * half, limits.acceleration * size * ahead
         jerk = limits.jerk * size
         noise[:, BALLISTIC, 0], noise[:, BALLISTIC, 1], noise[:, BALLISTIC, 2] = jerk * sixth, jerk * half, jerk * ahead

@@ -55,6 +55,9 @@ class MultiTracker(Copied):
         Whether all that looks like the targets is searched for; otherwise only what `add` names is followed.
     fps : float or None
         For plain arrays: their rate, 1/s. None: they have the times at which `update` is called, as before a camera.
+    on_table : bool
+        Whether they are balls of one mass that roll on a table, seen from above: none flies freely, friction slows
+        them, and two that touch exchange their velocities along the line of their centers (`TableParameters`).
 
     Attributes
     ----------
@@ -98,10 +101,14 @@ class MultiTracker(Copied):
         *,
         finds: bool = True,
         fps: float | None = 30.0,
+        on_table: bool = False,
     ) -> None:
+        """Check what is handed in; seven parameters: each is a choice of the user's."""
         check_kind("parameters", parameters, (MultiTrackerParameters, type(None)))
         self.most = checked_count("most", most, 1, MOST)
         self.parameters, self.colors = parameters or MultiTrackerParameters(), named_colors(colors)
+        if on_table and self.parameters.motion.table is None:
+            self.parameters = self.parameters.on_table()
         families = _families(family, self.colors)
         self._made = families, self.colors, most, self.parameters, finds, fps
         self._observer = Observer(families, self.colors, self.parameters, finds)
@@ -233,10 +240,15 @@ class MultiTracker(Copied):
         frame = self._checked(frame)
         linking, observer = self._linking, self._observer
         linking.forget(frame.time, self.parameters.memory, self.parameters.unconfirmed)
+        table = self.parameters.motion.table
+        if table is not None:
+            linking.foresee(frame.time)
         predicted = Predicted(linking.bank, frame.time)
         seen = observer.observe(frame, predicted, linking.tracklets, linking.hidden(), self._passed)
         bridged = linking.bridge(seen, predicted)
         lost = linking.end(seen.ended, frame.time)
+        if table is not None:
+            linking.doubt_rivals(seen.continued, predicted, table.rival)
         linking.doubt(lost, seen.continued, predicted)
         linking.go_on(seen.continued, frame.time, self._frames % self.parameters.period != 0)
         linking.begin(seen.fresh, predicted, frame.time)

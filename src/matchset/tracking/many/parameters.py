@@ -12,6 +12,7 @@ from matchset.tracking.many.searching.disc_search import DiscSearchParameters
 from matchset.tracking.many.searching.strip_search import StripSearchParameters
 from matchset.tracking.many.sightings import MergeParameters
 from matchset.tracking.many.smoothing.smoother import BothWaysParameters
+from matchset.tracking.many.table import TableParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
 
@@ -96,3 +97,8 @@ class MultiTrackerParameters(msgspec.Struct, frozen=True, kw_only=True):
     discs: DiscSearchParameters = DiscSearchParameters()
     smoothing: BothWaysParameters = BothWaysParameters()
     tracker: TrackerParameters = ONE_OF_SEVERAL
+
+    def on_table(self, table: TableParameters | None = None) -> "MultiTrackerParameters":
+        """Return them for balls that roll on a table."""
+        motion = msgspec.structs.replace(self.motion, table=table or TableParameters())
+        return msgspec.structs.replace(self, motion=motion)

@@ -4,6 +4,7 @@ Each crowd of each follower is kept in `crowds.kept` as soon as it is known: a r
 asked for is printed as a page, and written to a file if one is named.
 """
 
+import itertools
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -80,9 +81,9 @@ def _grouped(groups: list[str], rendered: list[Case]) -> list[Case]:
     for group in groups:
         if group not in GROUPS:
             raise ValueError(f"a group is one of {', '.join(GROUPS)}, got {group!r}")
-    makers = (real, drawn_otherwise, lambda: rendered)
-    listed = [case for name, maker in zip(GROUPS, makers, strict=True) if name in groups for case in maker()]
-    return list(dict.fromkeys(listed))
+    found = [real() if "real" in groups else [], drawn_otherwise() if "physics" in groups else []]
+    found.append(rendered if "rendered" in groups else [])
+    return list(dict.fromkeys(itertools.chain(*found)))
 
 
 def _here(listed: list[Case]) -> list[Case]:

@@ -1,0 +1,56 @@
+"""trackpy's `locate`: bright spots in a picture of how near each color is to the clicked one."""
+
+import math
+import warnings
+from typing import Any
+
+import cv2
+import numpy as np
+
+import matchset as ms
+from benchmarks.crowds.peers.finders.color_range import WHITE, Bytes
+from benchmarks.crowds.peers.peer import Detection, Find
+
+
+def start(image: Bytes, circle: ms.Circle, parameters: dict[str, Any]) -> Find:
+    """Learn the color and the mass of the clicked spot.
+
+    `wide`: diameter of a spot in clicked ones; `mass`: least of a spot, in clicked ones; `far`: distance in CIELAB at
+    which the picture is black; `separation`: least between spots, in clicked diameters; `sized`: radius by its spread.
+    """
+    import trackpy
+
+    trackpy.quiet()
+    lab = _lab(image)
+    half = max(2, round(0.3 * circle.radius))
+    x, y = round(circle.x), round(circle.y)
+    patch = lab[max(y - half, 0) : y + half + 1, max(x - half, 0) : x + half + 1]
+    middle = np.median(patch.reshape(-1, lab.shape[-1]), axis=0)
+    diameter = max(2 * round(parameters["wide"] * circle.radius) + 1, 3)
+    apart = max(parameters["separation"] * 2.0 * circle.radius, 2.0)
+
+    def located(picture: Bytes, least: float) -> Any:
+        far = np.linalg.norm(_lab(picture) - middle, axis=-1) / parameters["far"]
+        near = (WHITE * np.clip(1.0 - far, 0.0, 1.0)).astype(np.uint8)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return trackpy.locate(near, diameter, minmass=least, separation=apart, characterize=True)
+
+    def find(picture: Bytes) -> list[Detection]:
+        spots = located(picture, parameters["mass"] * mass)
+        found = []
+        for spot in spots.itertuples():
+            radius = math.sqrt(2.0) * float(spot.size) if parameters["sized"] else circle.radius
+            found.append((float(spot.x), float(spot.y), max(radius, 1.0), min(float(spot.mass) / (2.0 * mass), 1.0)))
+        return found
+
+    first = located(image, 0.0)
+    distance = np.hypot(first.x - circle.x, first.y - circle.y)
+    mass = float(first.mass[distance.idxmin()]) if len(first) else 1.0
+    return find
+
+
+def _lab(image: Bytes) -> np.ndarray:
+    if image.ndim == 2:
+        return image.astype(np.float32)[..., np.newaxis]
+    return np.asarray(cv2.cvtColor(image.astype(np.float32) / WHITE, cv2.COLOR_BGR2LAB))

@@ -34,7 +34,8 @@ ABOUT = """Balls that look the same, with their truth, after one click on one of
 another name. These three count as a user does: an answer is right within 10 px or half a radius of a ball's center,
 whichever is more. *0.5 px*: balls that are answered so near, by the first name that they got. HOTA, IDF1 and
 *switches* are those of TrackEval, by what the discs share; *false* is too. *Names*: how many were given; *doubled*:
-answers on balls beyond one for each ball of a frame. Balls of which less than 30 % is seen count neither for nor against.
+answers on balls beyond one for each ball of a frame. Balls of which less than 30 % is seen count neither for nor
+against.
 
 *recipe*: the range of hue, saturation and value around the click, `cv2.inRange`, contours, `minEnclosingCircle`, then
 norfair or ByteTrack. *Edge Drawing*: ellipses of `cv2.ximgproc` in the clicked color, then SORT. *trackpy*: `locate` in

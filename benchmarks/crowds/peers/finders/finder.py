@@ -40,8 +40,8 @@ FINDERS: dict[str, dict[str, tuple[Any, ...]]] = {
     "spots": {
         "wide": (1.0, 0.6, 1.3),
         "far": (60.0, 30.0, 45.0, 90.0),
-        "mass": (0.4, 0.1, 0.2, 0.6),
-        "separation": (0.5, 0.35, 0.8),
+        "mass": (0.4, 0.2, 0.6),
+        "separation": (0.8, 0.5),
         "sized": (False, True),
     },
 }

@@ -11,12 +11,15 @@ import matchset as ms
 from benchmarks.crowds.peers.finders.color_range import WHITE, Bytes
 from benchmarks.crowds.peers.peer import Detection, Find
 
+LARGEST = 8.0  # px, radius of a spot
+
 
 def start(image: Bytes, circle: ms.Circle, parameters: dict[str, Any]) -> Find:
     """Learn the color and the mass of the clicked spot.
 
     `wide`: diameter of a spot in clicked ones; `mass`: least of a spot, in clicked ones; `far`: distance in CIELAB at
     which the picture is black; `separation`: least between spots, in clicked diameters; `sized`: radius by its spread.
+    Where the clicked one is larger than `LARGEST`, pictures are shrunk: `locate` takes seconds for large spots.
     """
     import trackpy
 
@@ -26,21 +29,26 @@ def start(image: Bytes, circle: ms.Circle, parameters: dict[str, Any]) -> Find:
     x, y = round(circle.x), round(circle.y)
     patch = lab[max(y - half, 0) : y + half + 1, max(x - half, 0) : x + half + 1]
     middle = np.median(patch.reshape(-1, lab.shape[-1]), axis=0)
-    diameter = max(2 * round(parameters["wide"] * circle.radius) + 1, 3)
-    apart = max(parameters["separation"] * 2.0 * circle.radius, 2.0)
+    scale = min(LARGEST / circle.radius, 1.0)
+    diameter = max(2 * round(parameters["wide"] * scale * circle.radius) + 1, 3)
+    apart = max(parameters["separation"] * 2.0 * scale * circle.radius, 2.0)
 
     def located(picture: Bytes, least: float) -> Any:
         far = np.linalg.norm(_lab(picture) - middle, axis=-1) / parameters["far"]
         near = (WHITE * np.clip(1.0 - far, 0.0, 1.0)).astype(np.uint8)
+        if scale < 1.0:
+            near = cv2.resize(near, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return trackpy.locate(near, diameter, minmass=least, separation=apart, characterize=True)
+            spots = trackpy.locate(near, diameter, minmass=least, separation=apart, characterize=True)
+        spots[["x", "y"]] = (spots[["x", "y"]] + 0.5) / scale - 0.5
+        return spots
 
     def find(picture: Bytes) -> list[Detection]:
         spots = located(picture, parameters["mass"] * mass)
         found = []
         for spot in spots.itertuples():
-            radius = math.sqrt(2.0) * float(spot.size) if parameters["sized"] else circle.radius
+            radius = math.sqrt(2.0) * float(spot.size) / scale if parameters["sized"] else circle.radius
             found.append((float(spot.x), float(spot.y), max(radius, 1.0), min(float(spot.mass) / (2.0 * mass), 1.0)))
         return found
 

@@ -44,7 +44,8 @@ def found(name: str, gray: bool = False, **other: Any) -> list[Detection]:
 @pytest.mark.parametrize("gray", [False, True])
 @pytest.mark.parametrize("name", FINDERS)
 def test_what_looks_like_the_clicked_is_found_and_nothing_else(name: str, gray: bool) -> None:
-    centers = sorted(each[:2] for each in found(name, gray))
+    wide = {"wide": 1.3} if name == "spots" else {}  # trackpy is off the middle of what is wider than it looks
+    centers = sorted(each[:2] for each in found(name, gray, **wide))
     assert len(centers) == len(BALLS)
     assert all(math.dist(one, ball[:2]) < 1.5 for one, ball in zip(centers, sorted(BALLS), strict=True))
 

@@ -40,9 +40,9 @@ against.
 *recipe*: the range of hue, saturation and value around the click, `cv2.inRange`, contours, `minEnclosingCircle`, then
 norfair or ByteTrack. *Edge Drawing*: ellipses of `cv2.ximgproc` in the clicked color, then SORT. *trackpy*: `locate` in
 the picture of how near colors are to the clicked one, then `link`. These look for themselves. *norfair*, *ByteTrack*,
-*OC-SORT*, *SORT*: fed with the circles of `ms.detect`, as boxes with their support as confidence. All have the
-parameters that are best on composed crowds of seeds 600 to 603 (`benchmarks/crowds/peers/parameters.toml`). Their ms
-include the detection."""
+*OC-SORT*, *SORT*: fed with the circles of `ms.detect`, as boxes with their support as confidence. Each has
+the parameters that were best on seeds that are not reported: `benchmarks/crowds/peers/parameters.toml` says on which.
+Their ms include the detection."""
 
 ABOUT_REAL = """\
 *composed*: real balls, cut out of labelled clips, in other real pictures, with balls of other colors and sizes that are

@@ -97,6 +97,15 @@ def sign_and_bag(folder: Path) -> None:
         writer.write(cv2.GaussianBlur(image, (0, 0), 0.8))
     writer.release()
     bag(folder)
+    coins(folder)
+
+
+def coins(folder: Path) -> None:
+    """A photograph of equal discs, two of which touch."""
+    image = np.full((480, 640, 3), (150, 170, 180), np.uint8)
+    for x, y in ((64, 38), (64, 90), (220, 140), (400, 300), (520, 90)):
+        cv2.circle(image, (x, y), 26, (40, 90, 160), -1, cv2.LINE_AA)
+    cv2.imwrite(str(folder / "coins.jpg"), cv2.GaussianBlur(image, (0, 0), 0.8))
 
 
 def bag(folder: Path, kind: str = "ros1") -> None:

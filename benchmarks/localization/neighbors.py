@@ -12,7 +12,7 @@ from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
 from matchset.localization.markers.ball_colors import pick_marker
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
-from matchset.tracking.many.strip_search import StripSearch
+from matchset.tracking.many.searching.strip_search import StripSearch
 from matchset.tracking.motion import Gate
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
@@ -63,10 +63,10 @@ class _Contender:
 
     def __init__(self, paths: list[PositionFunction], frames: int, seed: int) -> None:
         self.neighbors = watcher(seed)
-        searches = self.neighbors._balls._observer._searches
-        ((label, search),) = searches.items()
+        strips = self.neighbors._balls._observer.searches._strips
+        ((label, search),) = strips.items()
         self.search = _Timed(search)
-        vars(self.neighbors._balls._observer)["_searches"] = {label: self.search}
+        vars(self.neighbors._balls._observer.searches)["_strips"] = {label: self.search}
         self.frames = list(MultiBallClip(camera=CAMERA, paths=paths, frames=frames, seed=seed))
         self.ns: list[int] = []
 

@@ -13,10 +13,10 @@ from msgspec import inspect as kinds
 
 from matchset.live.known_messages import READER
 from matchset.live.wire.messages import Ack, PageMessage
-from matchset.live.wire.state import SessionState, State, TargetState
+from matchset.live.wire.state import CrowdState, SessionState, State, TargetState
 
 PAGE = Path(__file__).resolve().parents[1] / "live.md"
-STATES: tuple[type[msgspec.Struct], ...] = (State, TargetState, SessionState)
+STATES: tuple[type[msgspec.Struct], ...] = (State, CrowdState, TargetState, SessionState)
 JSON_NAMES = {"int": "integer", "float": "number", "str": "text", "bool": "true or false"}
 JSON_NAMES |= {"None": "null", "dict": "object"}
 ENTRY = re.compile(r"^(\w[\w, ]*) : ([^\n]*)((?:\n    +[^\n]*)*)", re.MULTILINE)

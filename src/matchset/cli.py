@@ -13,6 +13,7 @@ import typer
 
 from matchset.app.calibrate.command import CALIBRATE_EPILOG, calibrate
 from matchset.app.cli_options import command_of
+from matchset.app.detect.command import DETECT_EPILOG, detect
 from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line, print_error
 from matchset.app.help_printer import NARROW, load_help_printer, plain_help
 from matchset.app.locate.command import LOCATE_EPILOG, locate
@@ -63,6 +64,7 @@ def matchset(
 
 app.command(epilog=TRACK_EPILOG)(command_of(track))
 app.command(epilog=LEARN_EPILOG)(command_of(learn))
+app.command(epilog=DETECT_EPILOG)(command_of(detect))
 app.command(epilog=CALIBRATE_EPILOG)(command_of(calibrate))
 app.command(epilog=LOCATE_EPILOG)(command_of(locate))
 app.command(epilog=BATCH_EPILOG)(command_of(batch))

@@ -26,7 +26,9 @@ def found(
     in_vain: list[tuple[float, float]] | None = None,
     limits: ColorPlaceParameters = LIMITS,
 ) -> list[Circle3]:
-    return places_of_color(image, (LAB, COLOR), ((*at, radius), reach), turn, in_vain or [], limits)
+    return places_of_color(
+        image, (LAB, COLOR), ((*at, radius), reach), turn, [(*each, 0.0) for each in in_vain or []], limits
+    )
 
 
 def off(circle: Circle3, ball: tuple[float, float, float]) -> float:

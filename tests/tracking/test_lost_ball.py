@@ -156,7 +156,7 @@ def test_places_where_no_ball_is_seen_are_noted_and_forgotten_later() -> None:
         for k in range(BallSearchParameters().again):
             with patch(where, return_value=[]) as asked_for:
                 tracker._ball.find(picture(60.0), tracker.color, LAST, None, ((k + 2) / 30.0, 1.0 / 30.0))
-            assert (200.0, 50.0) in asked_for.call_args.args[4]
+            assert (200.0, 50.0, 0.0) in asked_for.call_args.args[4]
         tracker._ball.find(picture(60.0), tracker.color, LAST, None, (0.5, 1.0 / 30.0))
     assert (200.0, 50.0) not in [each[:2] for each in belief_of(tracker).in_vain]
 

@@ -1,5 +1,6 @@
 """Detection in one picture that somebody asks for: `detect`."""
 
+import itertools
 import math
 import threading
 from typing import Any, TypeVar
@@ -11,11 +12,14 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
+from matchset.image.disc_network.patch_format import Circle3
 from matchset.image.frame import Frame, Picture, channels_last, frame_of
 from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
 from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
+from matchset.tracking.ball.equal_discs import EqualDiscs, EqualDiscsParameters
+from matchset.tracking.ball.log_odds import probability_of
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, track_of
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
@@ -38,11 +42,14 @@ class ChoiceParameters(msgspec.Struct, frozen=True):
         Log-odds and MSAC score from which on a detection is right as it is.
     discs : DiscDetectorParameters
         How the network of discs is asked.
+    equal : EqualDiscsParameters
+        How those are found that are like others, where several are asked for.
     """
 
     sure_evidence: float = 7.0
     sure_msac: float = 0.85
     discs: DiscDetectorParameters = DiscDetectorParameters()
+    equal: EqualDiscsParameters = EqualDiscsParameters()
 
 
 CHOICE = ChoiceParameters()
@@ -91,21 +98,47 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
         sure = _is_sure(estimate) if merit > max((pair[0] for pair in found), default=0.0) else sure
         found.append((merit, track))
     found.sort(key=lambda pair: -pair[0])
-    if not sure and family is Circle and color.sample is not None and detector.fitter.weighs(color):
-        found = _by_network(detector.fitter, color, frame, found)
+    if family is not Circle or color.sample is None:
+        return [track for _, track in found[:limit]]
+    weighs = detector.fitter.weighs(color)
+    if not sure and weighs:
+        found = _by_network(detector.fitter, color, frame, found, limit)
+    if limit > 1:
+        found = _with_equal(detector.fitter, color, frame, found, limit)
     return [track for _, track in found[:limit]]
 
 
 def _by_network(
-    fitter: Fitter[Any], color: ColorModel, frame: Frame, outlines: list[tuple[float, Track[Any]]]
+    fitter: Fitter[Any], color: ColorModel, frame: Frame, outlines: list[tuple[float, Track[Any]]], limit: int
 ) -> list[tuple[float, Track[Any]]]:
     """Balls that the network sees, with the likeliest first, and their probability; outlines propose places."""
-    places = [(x, y, radius) for x, y, radius in (track.shape.state[:3].tolist() for _, track in outlines)]
+    places = [_circle(track) for _, track in outlines]
     found = list[tuple[float, Track[Any]]]()
-    for odds, spread in DiscDetector(fitter, color, CHOICE.discs).find(channels_last(frame.image), places):
+    limits = msgspec.structs.replace(CHOICE.discs, compared=max(CHOICE.discs.compared, limit + limit // 5))
+    for odds, spread in DiscDetector(fitter, color, limits).find(channels_last(frame.image), places):
         track = track_of(fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-        found.append((1.0 / (1.0 + math.exp(-odds)), track))
+        found.append((probability_of(odds), track))
     return found
+
+
+def _with_equal(
+    fitter: Fitter[Any], color: ColorModel, frame: Frame, found: list[tuple[float, Track[Any]]], limit: int
+) -> list[tuple[float, Track[Any]]]:
+    """Balls that were found, and all that are like them, with the likeliest first, and their probability."""
+    equal = EqualDiscs(fitter, color, channels_last(frame.image), CHOICE.equal)
+    alike = equal.alike([_circle(track) for _, track in found])
+    found = [found[number] for number in alike][:limit]
+    for merit, track in found:
+        equal.know(_circle(track), merit)
+    for odds, spread in itertools.chain(equal.clicked(), equal.find(limit)):
+        track = track_of(fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
+        found.append((probability_of(odds), track))
+    return sorted(found, key=lambda pair: -pair[0])
+
+
+def _circle(track: Track[Any]) -> Circle3:
+    x, y, radius = track.shape.state[:3].tolist()
+    return x, y, radius
 
 
 def _is_sure(estimate: Estimate) -> bool:

@@ -7,6 +7,7 @@ from typing import Any, TextIO
 import msgspec
 
 from matchset.app.exit_codes import print_warnings
+from matchset.app.several.crowd import CrowdWatch
 from matchset.app.several.painter import DrawnTargets
 from matchset.app.track.loop import RunStatistics, computing_lines
 from matchset.media.video import Video
@@ -54,13 +55,18 @@ class TargetCounts(RunStatistics):
 
 
 def print_counts(
-    video: Video, counts: TargetCounts, files: Iterable[Path], out: TextIO, words: str = "tracking"
+    video: Video,
+    counts: TargetCounts,
+    files: Iterable[Path],
+    out: TextIO,
+    words: str = "tracking",
+    watch: CrowdWatch | None = None,
 ) -> None:
-    """Print what a run did, see `matchset.app.track.loop.print_summary`."""
+    """Print what a run did, see `matchset.app.track.loop.print_summary`, and again what was in the first picture."""
     print_warnings(video.warnings)
     if not counts.frames:
         return
-    for line in (*counts.lines(), *computing_lines(counts.durations, words)):
+    for line in (*counts.lines(), *(watch.lines if watch else ()), *computing_lines(counts.durations, words)):
         print(line, file=out)
     for path in files:
         print(f"  {path}", file=out)

@@ -14,6 +14,7 @@ from matchset.app.backward.known_answers import KnownTargets
 from matchset.app.exit_codes import StopRequest
 from matchset.app.pictures.part import VideoPart
 from matchset.app.several.chosen import ChosenTargets, PickedTarget
+from matchset.app.several.crowd import CrowdWatch, Doubtful
 from matchset.app.several.options import TypedOptions
 from matchset.app.several.target_rows import TargetRow, TargetsRow, targets_row
 from matchset.app.track.loop import UNDECODED, between
@@ -107,7 +108,12 @@ def known_targets(
 
 
 def follow_several(
-    frames: Iterable[Frame], follower: FrameTargets, gaps: bool, stop: StopRequest, whole: bool = True
+    frames: Iterable[Frame],
+    follower: FrameTargets,
+    gaps: bool,
+    stop: StopRequest,
+    whole: bool = True,
+    watch: CrowdWatch | None = None,
 ) -> Iterator[FollowedFrame]:
     """Track a video frame by frame, see `matchset.app.track.loop.follow`.
 
@@ -121,6 +127,8 @@ def follow_several(
         Checked after each frame.
     whole : bool
         Whether the video is used from its beginning.
+    watch : CrowdWatch, optional
+        Told of each frame.
 
     Yields
     ------
@@ -138,7 +146,11 @@ def follow_several(
         begin = time.thread_time()
         answer = follower.update(frame)
         seconds = time.thread_time() - begin
-        yield FollowedFrame(frame, answer, targets_row(frame.index, frame.time, answer), seconds)
+        doubtful: Doubtful = ()
+        if watch is not None:
+            watch.update(frame, answer)
+            doubtful = watch.doubtful
+        yield FollowedFrame(frame, answer, targets_row(frame.index, frame.time, answer, doubtful), seconds)
         last = frame
         if stop:
             return

@@ -19,6 +19,7 @@ from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import output_folder
 from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_or_explained, failed_run
 from matchset.app.several.counts import TargetCounts, print_counts
+from matchset.app.several.crowd import watch_of
 from matchset.app.several.follow import TargetsFollower, known_targets
 from matchset.app.several.painter import TargetsPainter, TargetsSummary
 from matchset.app.several.poses import LocatedTargets, PathsLog, TargetsLocator, locate_several, target_pose_columns
@@ -63,18 +64,19 @@ def run_locate_several(options: LocateOptions) -> int:
         folder = output_folder(options.out, "locate", options.force)
         counts, paths, explainer = TargetCounts(), PathsLog(), Explainer(command, chosen.first)
         out = sys.stderr if options.to_stdout else sys.stdout
+        watch = watch_of(tracker, Circle, known is None, out)
         outputs = _outputs(options, WantedPictures.of(options, "locate", folder, video), locator, video)
         try:
             part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
-            located = locate_several(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
+            located = locate_several(used, locator, not video.live, stop, part.start is None, watch)
             located = located if known is None else known.timed(located)
             located = viewed(located, options.viewers, (options.source, options.force), (camera, 2.0 * ball.radius))
             watched = explainer.watch(paths.record(located))
             write_frames(watched, outputs, counts, video, options.to_stdout, "locating")
         finally:
             files = [*_finish(options, folder, paths, camera), *outputs.pictures.files]
-            print_counts(video, counts, files, out, "locating")
+            print_counts(video, counts, files, out, "locating", watch)
         if not stop:
             explainer.explain(folder, out)
     return exit_code(stop, counts)

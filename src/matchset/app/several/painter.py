@@ -39,9 +39,14 @@ _SMALL_PX = 13  # geometry: size of the text in the summary's small pictures, px
 TargetWords = Callable[[Target[Any]], str]
 
 
-def target_words(labels: bool) -> TargetWords:
+def numbered(target: Target[Any]) -> str:
+    """Write a target's identity; "3?" where it may be another one as well."""
+    return f"{target.identity}{'?' if target.alternatives else ''}"
+
+
+def target_words(labels: bool, number: TargetWords = numbered) -> TargetWords:
     """Return what writes a target's identity, and the label of its color where there are several."""
-    return lambda target: f"{target.identity} {target.label}" if labels else str(target.identity)
+    return lambda target: f"{number(target)} {target.label}" if labels else number(target)
 
 
 def color_of(identity: int) -> Color:
@@ -65,6 +70,11 @@ class DrawnTargets(Protocol):
     @property
     def targets(self) -> Sequence[Any]:
         """A row for each target, with `found`."""
+        ...
+
+    @property
+    def doubtful(self) -> Sequence[Track[Any]]:
+        """What may be one of them."""
         ...
 
 
@@ -94,6 +104,7 @@ class TargetsPainter:
     def paint(self, frame: Frame, targets: Sequence[Target[Any]], row: DrawnTargets) -> Picture:
         """Draw the next answers into a copy of their frame; (h + strip, w, 3), BGR."""
         image = as_color(frame.image)
+        draw_doubtful(image, row.doubtful, letters=self._letters)
         self._trails = {each.identity: self._trails.get(each.identity) or Trail() for each in targets}
         for each in targets:
             trail = self._trails[each.identity]
@@ -102,6 +113,7 @@ class TargetsPainter:
         draw_targets(image, targets, words=self._words, letters=self._letters)
         seen = sum(each.found for each in row.targets)
         words = f"{seen} of {len(targets)} targets seen" if targets else "no target yet"
+        words += f", {len(row.doubtful)} doubtful" if row.doubtful else ""
         return self._strip.below(image, [(words, f"frame {row.frame}   {row.time:.2f} s")], _BAR)
 
 
@@ -117,14 +129,17 @@ class TargetsSummary(Summary):
     def __init__(self, named: TargetWords) -> None:
         super().__init__()
         self._named, self._identities = named, set[int]()
+        self._doubtful: Sequence[Track[Any]] = ()
 
     def append(self, frame: Frame | None, answer: Any, row: Any) -> None:
         """Note the next frame; None: it could not be decoded."""
         self._identities |= {each.identity for each in row.targets}
+        self._doubtful = row.doubtful
         super().append(frame, answer, row)
 
     def draw(self, small: Picture, answer: Any, scale: float) -> None:
         """Draw the targets into a frame that was reduced by a scale."""
+        draw_doubtful(small, self._doubtful, scale, _SMALL_PX)
         draw_targets(small, answer, self._named, scale, _SMALL_PX)
 
     @property
@@ -155,7 +170,7 @@ def draw_targets(
         Size of the text, px.
     """
     width = 2 if min(image.shape[:2]) <= 900 else 3
-    shown = [(each, shape) for each in targets if (shape := _shape_of(each)) is not None]
+    shown = [(each, shape) for each in targets if (shape := shape_of(each)) is not None]
     shown.sort(key=lambda pair: isinstance(pair[0].track, Track))  # what is seen lies above what is not
     for each, shape in shown:
         seen = isinstance(each.track, Track)
@@ -166,7 +181,16 @@ def draw_targets(
         _name(image, words(each), (np.array(box_of(shape)) + 0.5) * scale - 0.5, letters, each)
 
 
-def _shape_of(target: Target[Any]) -> Any:
+def draw_doubtful(image: Picture, doubtful: Sequence[Track[Any]], scale: float = 1.0, letters: int = _LEAST_PX) -> None:
+    """Draw what may be one of the targets, thin, dashed and white, with a question mark; see `draw_targets`."""
+    for each in doubtful:
+        draw_shape(image, each.shape, _DARK, dashed=True, scale=scale, thickness=3)
+        draw_shape(image, each.shape, _WHITE, dashed=True, scale=scale, thickness=1)
+        left, top, right, _ = ((np.array(box_of(each.shape)) + 0.5) * scale - 0.5).tolist()
+        draw_text(image, "?", (0.5 * (left + right - text_width("?", letters)), top - 0.7 * letters), letters, _WHITE)
+
+
+def shape_of(target: Target[Any]) -> Any:
     """Return the outline of a target, or where it should be; None where that is not known."""
     return target.track.shape if isinstance(target.track, Track) else target.track.predicted
 

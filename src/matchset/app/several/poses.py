@@ -8,7 +8,9 @@ import msgspec
 from matchset.app.exit_codes import StopRequest
 from matchset.app.locate.loop import PathLog
 from matchset.app.locate.rows import PoseRow, pose_columns, pose_row
+from matchset.app.several.crowd import CrowdWatch
 from matchset.app.several.follow import FrameTargets, Targets, follow_several
+from matchset.app.several.painter import numbered
 from matchset.app.several.target_rows import TargetsRow, whose_columns
 from matchset.app.tables import Column
 from matchset.camera.camera_model import CameraModel
@@ -94,8 +96,8 @@ class TargetsLocator:
         rows = self._of.keys()
         pose = self.poses[list(rows).index(target.identity)] if target.identity in rows else None
         if not isinstance(pose, Pose):
-            return str(target.identity)
-        return f"{target.identity}  {float(pose.position @ pose.position) ** 0.5:.2f} m"
+            return numbered(target)
+        return f"{numbered(target)}  {float(pose.position @ pose.position) ** 0.5:.2f} m"
 
 
 class PathsLog:
@@ -124,14 +126,20 @@ class PathsLog:
 
 
 def locate_several(
-    frames: Iterable[Frame], locator: TargetsLocator, gaps: bool, stop: StopRequest, whole: bool = True
+    frames: Iterable[Frame],
+    locator: TargetsLocator,
+    gaps: bool,
+    stop: StopRequest,
+    whole: bool = True,
+    watch: CrowdWatch | None = None,
 ) -> Iterator[LocatedTargets]:
     """Locate balls in a video frame by frame, see `follow_several`."""
-    for followed in follow_several(frames, locator, gaps, stop, whole):
+    for followed in follow_several(frames, locator, gaps, stop, whole, watch):
         index, time, targets = followed.row.frame, followed.row.time, followed.answer
         poses: list[Any] = locator.poses if followed.frame is not None else [each.track for each in targets]
         rows = tuple(_row(index, each, pose) for each, pose in zip(targets, poses, strict=True))
-        yield LocatedTargets(followed.frame, targets, tuple(poses), PosesRow(index, time, rows), followed.seconds)
+        row = PosesRow(index, time, rows, followed.row.doubtful)
+        yield LocatedTargets(followed.frame, targets, tuple(poses), row, followed.seconds)
 
 
 def _row(index: int, target: Target[Any], pose: "Pose | Lost[Any]") -> TargetPoseRow:

@@ -13,6 +13,7 @@ from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.run_folder import output_folder
 from matchset.app.several.chosen import ChosenTargets, check_targets, chosen_or_explained, failed_run
 from matchset.app.several.counts import TargetCounts, print_counts
+from matchset.app.several.crowd import watch_of
 from matchset.app.several.follow import FollowedFrame, TargetsFollower, follow_several, known_targets
 from matchset.app.several.mot_file import noted
 from matchset.app.several.painter import TargetsPainter, TargetsSummary, target_words
@@ -51,19 +52,20 @@ def run_several(options: TrackOptions) -> int:
         folder = output_folder(options.out, "track", options.force)
         counts, explainer = TargetCounts(), Explainer(command, chosen.first)
         out = sys.stderr if options.to_stdout else sys.stdout
+        watch = watch_of(tracker, family, known is None, out)
         files = tables_of(options, folder)
         try:
             outputs = _outputs(options, folder, video, family, chosen)
             part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(chosen.taken, video.until(lambda: bool(stop))))
-            frames = follow_several(used, follower, gaps=not video.live, stop=stop, whole=part.start is None)
+            frames = follow_several(used, follower, not video.live, stop, part.start is None, watch)
             frames = frames if known is None else known.timed(frames)
             frames = noted(frames, options.several.mot, options.force, options.source)
             frames = viewed(frames, options.viewers, (options.source, options.force))
             write_frames(explainer.watch(frames), outputs, counts, video, options.to_stdout)
             files += outputs.pictures.files
         finally:
-            print_counts(video, counts, files, out)
+            print_counts(video, counts, files, out, watch=watch)
         if not stop:
             explainer.explain(folder, out)
     return exit_code(stop, counts)

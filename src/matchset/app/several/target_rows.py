@@ -10,6 +10,7 @@ from matchset.app.locate.rows import PoseRow
 from matchset.app.tables import Cells, Column, RowWriter
 from matchset.app.track.rows import FrameRow, TrackRow, track_columns, track_row
 from matchset.tracking.many.target import Target
+from matchset.tracking.track import Track
 
 R = TypeVar("R", bound=TrackRow | PoseRow)
 
@@ -38,9 +39,12 @@ class TargetsRow(FrameRow, Generic[R], frozen=True):
     Parameters
     ----------
     targets : tuple of TargetRow or TargetPoseRow
+    doubtful : tuple of Track
+        What may be one of them, and is not followed: drawn, not written.
     """
 
     targets: tuple[R, ...] = ()
+    doubtful: tuple[Track[Any], ...] = ()
 
     @property
     def found(self) -> bool:
@@ -57,7 +61,8 @@ class TargetsRow(FrameRow, Generic[R], frozen=True):
     @property
     def brief(self) -> str:
         """How many are seen, for the status line."""
-        return counted_words(self.targets)
+        words = counted_words(self.targets)
+        return f"{words}, {len(self.doubtful)} doubtful" if words and self.doubtful else words
 
 
 def counted_words(rows: Sequence[Any]) -> str:
@@ -65,9 +70,11 @@ def counted_words(rows: Sequence[Any]) -> str:
     return f"{sum(each.found for each in rows)} of {len(rows)} targets" if rows else ""
 
 
-def targets_row(frame: int, time: float, targets: Sequence[Target[Any]]) -> TargetsRow[TargetRow]:
+def targets_row(
+    frame: int, time: float, targets: Sequence[Target[Any]], doubtful: tuple[Track[Any], ...] = ()
+) -> TargetsRow[TargetRow]:
     """Turn the answers for a frame into its rows."""
-    return TargetsRow(frame, time, tuple(target_row(frame, each) for each in targets))
+    return TargetsRow(frame, time, tuple(target_row(frame, each) for each in targets), doubtful)
 
 
 def target_row(frame: int, target: Target[Any]) -> TargetRow:

@@ -24,7 +24,7 @@ OUTLINE_POINTS = 64  # geometry: points of a smooth outline; of 100 px radius th
 DASHES = 24  # geometry: dashes of a predicted outline
 CORNER = 0.5  # format: viewers count from the corner of the first pixel, px; here its center is 0
 
-_words = target_words(True)
+_words = target_words(True, lambda target: str(target.identity))
 
 
 class ViewedTarget(msgspec.Struct, frozen=True):

@@ -104,6 +104,7 @@ function refresh() {
   find("age").textContent = state.live === false || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
   find("camera-fps").textContent = state.camera_fps ? `${state.camera_fps.toFixed(0)}/s` : "–";
   find("fps").textContent = state.fps ? `${state.fps.toFixed(0)}/s` : "–";
+  targets.showCrowd(find("crowd"), state.crowd);
   const words = times(state.computing);
   find("computing").hidden = !words;
   find("computing").textContent = `computing a picture: ${words}`;

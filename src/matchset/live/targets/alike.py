@@ -7,8 +7,11 @@ from typing import Any, NamedTuple
 import msgspec
 
 from matchset.app.several.chosen import SharingParameters, shared_part
+from matchset.app.several.crowd import DoubtfulBalls
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
+from matchset.live.targets.messages import Begin
+from matchset.shapes.shape import Shape
 from matchset.tracking.many.multi_tracker import MultiTracker
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.sightings import MergeParameters, place_of
@@ -44,6 +47,9 @@ ALIKE = AlikeParameters()
 DROPPED = "no more like {} are looked for, or it would be found again"
 
 
+Answers = list[tuple[Begin, int | None]]
+
+
 class TogetherAnswer(NamedTuple):
     """What is known of one of several targets in a frame.
 
@@ -68,6 +74,13 @@ class AlikeTracker:
     finds : bool
         Whether all that looks like them is followed, too.
     parameters : AlikeParameters, optional
+
+    Attributes
+    ----------
+    doubtful : DoubtfulBalls
+        What may be one of them, and how many are left out.
+    answered : list of (Begin, int or None)
+        What was asked for, and the number of the target that it has begun, or None: it was not found.
     """
 
     def __init__(self, family: type[Any], color: ColorModel, finds: bool, parameters: AlikeParameters = ALIKE) -> None:
@@ -75,6 +88,9 @@ class AlikeTracker:
         self._tracker = MultiTracker(family, color, parameters.most, parameters.tracker, finds=finds)
         self._numbers: dict[int, int] = {}
         self._seen: dict[int, float] = {}
+        self._asked: dict[int, tuple[Begin, float | None]] = {}
+        self.doubtful = DoubtfulBalls(self._tracker)
+        self.answered: Answers = []
 
     @property
     def finds(self) -> bool:
@@ -89,6 +105,20 @@ class AlikeTracker:
         """Follow a target on from where it was seen last; `hidden`: it is not seen any more."""
         self._numbers[self._tracker.add(track, hidden=hidden)] = number
         self._seen[number] = track.time
+
+    def ask(self, begin: Begin, shape: Shape) -> None:
+        """Follow something doubtful, since a person says that it is one; what becomes of that is in `answered`.
+
+        Raises
+        ------
+        ValueError
+            If it is followed already.
+        """
+        self._asked[self._tracker.add(shape)] = begin, None
+
+    def give_up(self) -> Answers:
+        """Return what was answered, and what was asked for in vain, since this tracker is used no more."""
+        return [*self.answered, *((begin, None) for begin, _ in self._asked.values())]
 
     def remove(self, number: int) -> None:
         """Follow a target no more."""
@@ -121,16 +151,31 @@ class AlikeTracker:
             If time runs anew, or the pictures have another size.
         """
         targets = self._tracker.update(frame)
+        left_out = 0
         for each in targets:
             if each.identity in self._numbers or isinstance(each.track, Lost):
                 continue
             number = begin()
+            if each.identity in self._asked:
+                self.answered.append((self._asked.pop(each.identity)[0], number))
             if number is None:
                 self._tracker.remove(each.identity)
+                left_out += 1
             else:
                 self._numbers[each.identity] = number
+        self.doubtful.update(frame, targets, left_out)
+        self._end_asked(frame.time)
         known = [each for each in targets if each.identity in self._numbers]
         return {self._numbers[each.identity]: self._answer(each, name) for each in known}
+
+    def _end_asked(self, time: float) -> None:
+        """Give up what was asked for, and is not found while it is looked for."""
+        for identity, (begin, since) in list(self._asked.items()):
+            if since is None:
+                self._asked[identity] = begin, time
+            elif not 0.0 <= time - since <= self._parameters.tracker.requested:
+                self.answered.append((begin, None))
+                del self._asked[identity]
 
     def _answer(self, target: Target[Any], name: Callable[[int], str]) -> TogetherAnswer:
         number, track = self._numbers[target.identity], target.track

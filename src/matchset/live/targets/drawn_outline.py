@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.live.targets.messages import Outline
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape, from_hull
 
@@ -13,6 +14,11 @@ Floats = npt.NDArray[np.float64]
 
 SMALLEST = 2.0  # format: px, the half-width below which a drawn outline is a slip of the hand
 LARGEST = 4.0  # geometry: radii of a circle over the length of its drawn arc, above which the line is straight
+
+
+def drawn_shape(begin: Outline, family: type[Any]) -> Shape:
+    """Return the shape of a family along what a person drew; see `shape_along`."""
+    return shape_along(family, np.reshape(begin.points[: len(begin.points) // 2 * 2], (-1, 2)))
 
 
 def shape_along(family: type[Any], points: Floats) -> Shape:

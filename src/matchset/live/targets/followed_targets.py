@@ -32,7 +32,7 @@ from matchset.live.targets.target_facts import checked_name, free_name
 from matchset.live.targets.target_localizer import ball_of, camera_of
 from matchset.live.targets.target_maker import TargetMaker
 from matchset.live.vision.kept_frames import KeptFrames
-from matchset.live.wire.state import TargetState
+from matchset.live.wire.state import CrowdState, TargetState
 from matchset.media.closing import Closing
 from matchset.tracking.track import Track
 
@@ -180,12 +180,13 @@ class FollowedTargets(Closing):
 
     def clear(self) -> None:
         """Forget all targets."""
-        for begin in (*(made.begin for made in self._making), *(trial.begin for trial in self._trials.values())):
+        self._groups.clear()
+        waiting = [*(made.begin for made in self._making), *(trial.begin for trial in self._trials.values())]
+        for begin in (*waiting, *(begin for begin, _ in self._groups.take_answers())):
             self.clicks.turn_away(begin, "the pictures are others now: click again")
         self._targets.clear()
         self._trials.clear()
         self._making.clear()
-        self._groups.clear()
 
     def restart(self) -> None:
         """Take note that the source begins anew: where targets were says nothing any more."""
@@ -197,6 +198,7 @@ class FollowedTargets(Closing):
         """Follow all into a frame."""
         self._take_made()
         together = self._groups.update(frame, self._room, self._begin_alike)
+        self._take_answers()
         for number in self._groups.gone(self.targets, frame.time):
             self._forget(number)
         states = {number: self._updated(target, frame, together) for number, target in self._targets.items()}
@@ -208,6 +210,23 @@ class FollowedTargets(Closing):
         for number in self._trials:
             states[number] = msgspec.structs.replace(states[number], pending=True, reason="finding it ...")
         return [self._shown(states[number]) for number in self._targets]
+
+    @property
+    def crowd(self) -> CrowdState | None:
+        """What is doubtful, and how many are left out, while all that looks like a target is looked for."""
+        return self._groups.crowd(self.targets, self._parameters.targets)
+
+    def _take_answers(self) -> None:
+        """Say what became of clicks on what is doubtful; what was not found is clicked as anything else is."""
+        for begin, number in self._groups.take_answers():
+            if number is None:
+                try:
+                    self._begin(begin)
+                except ValueError as error:
+                    self.clicks.refuse(begin, str(error))
+            elif number in self._targets:
+                self._targets[number].is_kept = True
+                self.clicks.accept(begin)
 
     def _updated(self, target: ClickedTarget, frame: Frame, together: dict[int, TogetherAnswer]) -> TargetState:
         """Follow a target into a frame, by its own tracker if it is not followed together with others."""
@@ -252,9 +271,10 @@ class FollowedTargets(Closing):
         self.locate(camera_of(wish, width, height))
 
     def _try(self, begin: Begin) -> None:
-        """Begin a target; a page hears why that cannot be."""
+        """Begin a target, or follow what is doubtful there; a page hears why that cannot be."""
         try:
-            self._begin(begin)
+            if self._room <= 0 or not self._groups.follow_doubtful(begin):
+                self._begin(begin)
         except ValueError as error:
             self.clicks.turn_away(begin, str(error))
             raise

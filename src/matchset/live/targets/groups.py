@@ -5,9 +5,24 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 
+from matchset.app.several.crowd import DoubtfulBalls
 from matchset.image.frame import Frame
-from matchset.live.targets.alike import ALIKE, AlikeParameters, AlikeTracker, TogetherAnswer, are_alike, joined, on_one
+from matchset.live.targets.alike import (
+    ALIKE,
+    AlikeParameters,
+    AlikeTracker,
+    Answers,
+    TogetherAnswer,
+    are_alike,
+    joined,
+    on_one,
+)
+from matchset.live.targets.drawn_outline import drawn_shape
+from matchset.live.targets.messages import Begin, Outline, Pick
 from matchset.live.targets.target import ClickedTarget
+from matchset.live.targets.target_facts import OUTLINE_POINTS, flat
+from matchset.live.wire.state import CrowdState
+from matchset.shapes.shape import center_of, outline
 from matchset.tracking.track import Lost, Track
 
 
@@ -49,13 +64,21 @@ class AlikeGroup:
     def __init__(self, members: Sequence[ClickedTarget], finds: bool, parameters: GroupParameters) -> None:
         self.members = {each.number: each for each in members}
         self.finds, self._parameters = finds, parameters
+        self._tracker = self._new_tracker()
         self.begin_anew(None)
+
+    def _new_tracker(self) -> AlikeTracker:
+        color = joined(each.color for each in self.members.values())
+        return AlikeTracker(self._first.family, color, self.finds, self._parameters.alike)
+
+    @property
+    def _first(self) -> ClickedTarget:
+        return next(iter(self.members.values()))
 
     def begin_anew(self, away: float | None) -> None:
         """Take all members over from where they were seen last, or, `away`, as if that had been at this time, s."""
-        color = joined(each.color for each in self.members.values())
-        family = next(iter(self.members.values())).family
-        self._tracker = AlikeTracker(family, color, self.finds, self._parameters.alike)
+        before, self._tracker = self._tracker, self._new_tracker()
+        self._tracker.answered = before.give_up()
         for each in self.members.values():
             self.add(each, away)
 
@@ -72,6 +95,31 @@ class AlikeGroup:
         del self.members[number]
         self._tracker.remove(number)
 
+    @property
+    def doubtful(self) -> DoubtfulBalls:
+        """What may be one of them as well."""
+        return self._tracker.doubtful
+
+    def follow_doubtful(self, begin: Begin) -> bool:
+        """Follow what is doubtful where a person has clicked or drawn; returns whether there is anything."""
+        if not self.finds or begin.shape != self._first.shape:
+            return False
+        drawn = drawn_shape(begin, self._first.family) if isinstance(begin, Outline) else None
+        x, y = (begin.x, begin.y) if isinstance(begin, Pick) else center_of(outline(drawn))[:2]
+        found = self.doubtful.at(x, y)
+        if found is not None:
+            self._tracker.ask(begin, drawn or found.shape)
+        return found is not None
+
+    def take_answers(self) -> Answers:
+        """Return what became of that since it was asked last."""
+        answers, self._tracker.answered = self._tracker.answered, []
+        return answers
+
+    def give_up(self) -> Answers:
+        """Return the same, and what was asked for in vain, since the group is no more."""
+        return self._tracker.give_up()
+
     def update(
         self, frame: Frame, room: int, begin: Callable[[ClickedTarget], ClickedTarget]
     ) -> dict[int, TogetherAnswer]:
@@ -82,7 +130,7 @@ class AlikeGroup:
             if room <= 0:
                 return None
             room -= 1
-            born = begin(next(iter(self.members.values())))
+            born = begin(self._first)
             self.members[born.number] = born
             return born.number
 
@@ -109,6 +157,7 @@ class AlikeGroups:
         self._parameters = parameters or GroupParameters()
         self._groups: list[AlikeGroup] = []
         self._away = False
+        self._answers: Answers = []
 
     def of(self, number: int) -> AlikeGroup | None:
         """Return the group of a target."""
@@ -116,7 +165,8 @@ class AlikeGroups:
 
     def clear(self) -> None:
         """Forget all."""
-        self._groups.clear()
+        for group in self._groups:
+            self._end(group)
 
     def restart(self) -> None:
         """Take note that the source begins anew: where targets were says nothing any more."""
@@ -146,9 +196,44 @@ class AlikeGroups:
     def _dissolve(self, group: AlikeGroup) -> None:
         if group.members and (group.finds or len(group.members) > 1):
             return
-        self._groups.remove(group)
+        self._end(group)
         for each in group.members.values():
             each.follow_alone()
+
+    def _end(self, group: AlikeGroup) -> None:
+        self._answers += group.give_up()
+        self._groups = [each for each in self._groups if each is not group]
+
+    def follow_doubtful(self, begin: Begin) -> bool:
+        """Follow what is doubtful where a person has clicked or drawn; returns whether there is anything."""
+        return any(group.follow_doubtful(begin) for group in self._groups)
+
+    def take_answers(self) -> Answers:
+        """Return what became of that: the number of the target, or None; each once."""
+        answers, self._answers = self._answers, []
+        for group in self._groups:
+            answers += group.take_answers()
+        return answers
+
+    def crowd(self, targets: Iterable[ClickedTarget], most: int) -> CrowdState | None:
+        """Say what is doubtful, and how many are left out; None where nothing is looked for.
+
+        Parameters
+        ----------
+        targets : iterable of ClickedTarget
+            All that are followed.
+        most : int
+            How many there may be.
+        """
+        groups = [each for each in self._groups if each.finds]
+        if not groups:
+            return None
+        taken = [each.answer for each in targets if isinstance(each.answer, Track)]
+        doubtful = [each for group in groups for each in group.doubtful.tracks]
+        doubtful = [each for each in doubtful if not any(on_one(each, other) for other in taken)]
+        outlines = [flat(outline(each.shape, OUTLINE_POINTS)) for each in doubtful]
+        left_out = sum(group.doubtful.left_out for group in groups)
+        return CrowdState(sum(len(group.members) for group in groups), most, outlines, left_out)
 
     def find_all(self, target: ClickedTarget, on: bool) -> None:
         """Follow all that looks like a target, too; or no more of them than there are."""
@@ -231,7 +316,7 @@ class AlikeGroups:
             for group in {id(each): each for each in groups}.values():
                 if group is not None:
                     members |= group.members
-                    self._groups.remove(group)
+                    self._end(group)
             for each in members.values():
                 if isinstance(each.answer, Track) and each.before is not None:
                     each.last = each.before

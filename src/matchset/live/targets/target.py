@@ -13,7 +13,7 @@ from matchset.app.target.shape_option import NAMES, parse_shape
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.live.targets.drawn_outline import shape_along
+from matchset.live.targets.drawn_outline import drawn_shape
 from matchset.live.targets.messages import Begin, Outline, Pick
 from matchset.live.targets.target_facts import TargetFacts, found_state, lost_state
 from matchset.live.targets.target_localizer import TargetLocalizer, TargetPlace
@@ -84,7 +84,7 @@ class ClickedTarget:
         given = None
         self.clicked = (begin, frame) if isinstance(begin, Pick) else None
         if isinstance(begin, Outline):
-            given = shape_along(family, np.reshape(begin.points[: len(begin.points) // 2 * 2], (-1, 2)))
+            given = drawn_shape(begin, family)
             self.begun = center_of(outline(given))[:2]
             check_inside(*self.begun, *frame.image.shape[1::-1])
             color = color_within(given, frame)

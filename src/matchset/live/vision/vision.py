@@ -169,7 +169,9 @@ class Vision(Closing):
             return
         self._sequence += 1
         gone = [target.without_picture("no picture comes") for target in self.followed.targets]
-        state = msgspec.structs.replace(self.seen.state, sequence=self._sequence, fault=words, targets=gone, fps=None)
+        state = msgspec.structs.replace(
+            self.seen.state, sequence=self._sequence, fault=words, targets=gone, fps=None, crowd=None
+        )
         self._done.clear()
         self.seen = StreamPicture(self.seen.frame, state, camera=self.camera)
         self._news(0)
@@ -231,6 +233,7 @@ class Vision(Closing):
             age=time.monotonic() - frame.time if source.live else 0.0,
             computing=self._computing.in_ms,
             live=source.live,
+            crowd=self.followed.crowd,
         )
         self.kept.add(self._sequence, frame)
         followed = self.followed.targets

@@ -79,6 +79,27 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     pending: bool = False
 
 
+class CrowdState(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What is known of all that looks like a target, while it is looked for.
+
+    Parameters
+    ----------
+    followed : int
+        How many are followed.
+    most : int
+        How many targets there may be.
+    doubtful : list of list of float
+        x and y of points along the outline of each thing that may be one as well, px; a click there follows it.
+    left_out : int
+        How many more were found at last.
+    """
+
+    followed: int
+    most: int
+    doubtful: list[list[float]] = []
+    left_out: int = 0
+
+
 class State(msgspec.Struct, frozen=True, omit_defaults=True):
     """What is known of one picture.
 
@@ -106,6 +127,8 @@ class State(msgspec.Struct, frozen=True, omit_defaults=True):
         What is wrong with the source, in words.
     stretch : int
         Another number where a picture does not follow the one before: somebody has gone to another frame of a video.
+    crowd : CrowdState or None
+        Of all that looks like a target; null: that is not looked for.
     """
 
     sequence: int
@@ -122,6 +145,7 @@ class State(msgspec.Struct, frozen=True, omit_defaults=True):
     live: bool = True
     fault: str = ""
     stretch: int = 0
+    crowd: CrowdState | None = None
 
 
 class SessionState(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -131,6 +131,11 @@ class DiscDetector:
     color : ColorModel
         With what was around the circle at the click.
     limits : DiscDetectorParameters
+
+    Attributes
+    ----------
+    lab : ndarray of shape (3,), float64, or None
+        Median color at the click, CIE Lab; None where nothing is known of it.
     """
 
     def __init__(self, fitter: Fitter[Any], color: ColorModel, limits: DiscDetectorParameters) -> None:
@@ -138,7 +143,7 @@ class DiscDetector:
         self._network = Judge(limits.network)
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius
-        self._lab = None if sample is None else self._median(sample.image, sample.circle)
+        self.lab = None if sample is None else self.middle(sample.image, sample.circle)
         self._network.know(sample)
 
     def find(self, image: Image, proposed: Sequence[Circle3] = ()) -> Iterator[tuple[float, Floats]]:
@@ -157,20 +162,23 @@ class DiscDetector:
         ndarray of shape (3, 3)
             Covariance beside that of the workspace, px^2.
         """
-        if self._lab is None:
+        if self.lab is None:
             return
         starts = self._starts(image, proposed)
         for odds, spread in self.judged(image, self.led(image, starts, self._limits.network.looks)):
             if odds > self._limits.asked:
                 yield odds, spread
 
-    def places(self, image: Image, radius: float, turn: int, covered: Sequence[Circle3]) -> list[Circle3]:
-        """Circles of about a radius where the target's color stands out; see `places_of_color`."""
-        if self._lab is None:
+    def places(
+        self, image: Image, radius: float, turn: int, covered: Sequence[Circle3], most: int | None = None
+    ) -> list[Circle3]:
+        """Circles of about a radius where the target's color stands out, so many at most; see `places_of_color`."""
+        if self.lab is None:
             return []
         height, width = image.shape[:2]
         everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
-        return places_of_color(image, (self._lab, self._model), everywhere, turn, covered, self._limits.places)
+        limits = self._limits.places if most is None else msgspec.structs.replace(self._limits.places, most=most)
+        return places_of_color(image, (self.lab, self._model), everywhere, turn, covered, limits)
 
     def led(self, image: Image, starts: Sequence[Circle3], looks: int) -> list[Disc]:
         """Discs to which the network is led from circles, apart from each other, the likeliest first.
@@ -190,30 +198,53 @@ class DiscDetector:
         """Yield those of some discs that are balls, or may be; see `find`."""
         found = list[tuple[float, Disc, Floats]]()
         for disc in discs[: self._limits.compared]:
-            evidence = self._evidence(image, disc)
+            evidence = self.evidence(image, disc)
             odds = self._log_odds(image, disc, evidence)
             if odds is not None and odds > self._limits.asked - self._limits.doubted:
                 found.append((odds, disc, self._fitter.block.copy()))
         for odds, disc, block in sorted(found, key=lambda each: -each[0]):
             self._fitter.block[:] = block
-            if squared_distances(disc, self._fitter.state[:DISC]) < self._limits.agrees:
-                yield odds, np.zeros((DISC, DISC))
-                continue
-            self._fitter.state[:DISC] = disc.circle
-            self._fitter.work.covariance[:] = 0.0
-            yield odds, covariance_of(disc)
+            yield odds, self.settle(disc)
+
+    def settle(self, disc: Disc) -> Floats:
+        """Have the workspace, which holds the fit near a disc, hold that or the disc: the fit where both agree.
+
+        Returns
+        -------
+        ndarray of shape (3, 3)
+            Covariance beside that of the workspace, px^2.
+        """
+        if squared_distances(disc, self._fitter.state[:DISC]) < self._limits.agrees:
+            return np.zeros((DISC, DISC))
+        self._fitter.state[:DISC] = disc.circle
+        self._fitter.work.covariance[:] = 0.0
+        return covariance_of(disc)
+
+    def middle(self, image: Image, circle: Circle3) -> Floats | None:
+        """Median color of the middle of a disc, CIE Lab; None outside of the picture."""
+        pixels = middle_pixels(image, circle, self._limits.middle)
+        if not len(pixels):
+            return None
+        return np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0).astype(np.float64)
+
+    def evidence(self, image: Image, disc: Disc) -> float:
+        """Evidence for an outline of the target's color at a disc, within its bounds; the workspace holds the fit."""
+        limits, fitter = self._limits, self._fitter
+        reach = max(limits.least_reach_px, limits.reach * disc.circle[2])
+        fitter.forget()
+        state = fitter.family.from_coarse(*disc.circle).state
+        estimate = fitter.weigh(fitter.fit(image, self._model, state, SearchWindow(reach)), image, self._model)
+        evidence = estimate.evidence if estimate.is_fitted else None
+        return min(max(evidence or limits.least_evidence, limits.least_evidence), limits.most_evidence)
 
     def _starts(self, image: Image, proposed: Sequence[Circle3]) -> list[Circle3]:
         """Circles from which the network is led."""
         limits, starts = self._limits, [*proposed]
         height, width = image.shape[:2]
-        assert self._lab is not None
         radius = limits.least_px
         while radius < limits.most_share * min(height, width):
             small = radius < limits.small_px
-            places = msgspec.structs.replace(limits.places, most=limits.small) if small else limits.places
-            everywhere = (0.5 * width, 0.5 * height, radius), float(max(height, width))
-            for place in places_of_color(image, (self._lab, self._model), everywhere, 0, [], places):
+            for place in self.places(image, radius, 0, (), limits.small if small else None):
                 if not any(are_same(place, each, limits.same) for each in starts):
                     starts.append(place)
             radius *= limits.factor
@@ -231,31 +262,14 @@ class DiscDetector:
                 kept.append(mean_disc(discs, like, self._limits.network.same))
         return kept
 
-    def _median(self, image: Image, circle: Circle3) -> Floats | None:
-        """Median color of the middle of a disc, CIE Lab; None outside of the picture."""
-        pixels = middle_pixels(image, circle, self._limits.middle)
-        if not len(pixels):
-            return None
-        return np.median(lab_of(pixels[:, np.newaxis, :]).reshape(-1, 3), axis=0).astype(np.float64)
-
     def _log_odds(self, image: Image, disc: Disc, evidence: float) -> float | None:
         """Log-odds that a disc is the ball."""
-        limits, weights, lab = self._limits, self._limits.weights, self._median(image, disc.circle)
-        if lab is None or self._lab is None:
+        limits, weights, lab = self._limits, self._limits.weights, self.middle(image, disc.circle)
+        if lab is None or self.lab is None:
             return None
-        turned = math.atan2(lab[2], lab[1]) - math.atan2(self._lab[2], self._lab[1])
+        turned = math.atan2(lab[2], lab[1]) - math.atan2(self.lab[2], self.lab[1])
         hue = min(abs(math.remainder(turned, math.tau)), limits.most_hue)
-        hue *= min(math.hypot(self._lab[1], self._lab[2]) / limits.full_chroma, 1.0)
+        hue *= min(math.hypot(self.lab[1], self.lab[2]) / limits.full_chroma, 1.0)
         size = abs(math.log(disc.circle[2] / self._radius))
         odds = weights.bias + weights.network * disc.log_odds + weights.hue * hue
         return odds + weights.evidence * evidence + weights.size * size
-
-    def _evidence(self, image: Image, disc: Disc) -> float:
-        """Evidence for an outline of the target's color at a disc, within its bounds; the workspace holds the fit."""
-        limits, fitter = self._limits, self._fitter
-        reach = max(limits.least_reach_px, limits.reach * disc.circle[2])
-        fitter.forget()
-        state = fitter.family.from_coarse(*disc.circle).state
-        estimate = fitter.weigh(fitter.fit(image, self._model, state, SearchWindow(reach)), image, self._model)
-        evidence = estimate.evidence if estimate.is_fitted else None
-        return min(max(evidence or limits.least_evidence, limits.least_evidence), limits.most_evidence)

@@ -89,6 +89,11 @@ def log_odds(features: Features, weights: FeatureWeights) -> float:
     )
 
 
+def probability_of(log_odds: float) -> float:
+    """Return the probability that has these log-odds."""
+    return 1.0 / (1.0 + math.exp(-log_odds))
+
+
 class PlaceParameters(msgspec.Struct, frozen=True):
     """Where a ball may be that was not seen for some pictures; chosen by hand.
 

@@ -171,7 +171,7 @@ def _places(
         (belief.lab, search.color),
         ((search.expected.x, search.expected.y, radius), reach),
         turn,
-        [each[:2] for each in belief.in_vain],
+        [(x, y, 0.0) for x, y, _ in belief.in_vain],
         limits.places,
     )
 

@@ -46,7 +46,7 @@ class LinkingParameters(msgspec.Struct, frozen=True, kw_only=True):
     least: float = -30.0
     gate: float = 25.0
     touching: float = 0.9
-    clear: float = 5.0
+    clear: float = 3.0
     stays: float = 2.0
     decide: int = 12
     new_log: float = 8.0
@@ -90,8 +90,8 @@ class Linking:
 
     def candidates(self) -> list[Followed]:
         """Targets, and new ones that tracklets in doubt are taken for now."""
-        new = [owner for each in self.tracklets if (owner := each.target) is not None and owner not in self.targets]
-        return [*self.targets, *new]
+        in_doubt = [each.target for each in self.tracklets if not each.is_certain]
+        return [*self.targets, *(owner for owner in in_doubt if owner is not None and owner not in self.targets)]
 
     def end(self, ended: Sequence[Tracklet], time: float) -> list[Followed]:
         """End tracklets, at a time, s; return the targets that were lost with them. Of one in doubt nothing is kept."""
@@ -163,8 +163,8 @@ class Linking:
                     slot = self._slot_after(each, sighting, explained.halted, time)
                     tracklet.hypotheses[each] = Hypothesis(slot, explained.log)
             may_be_new = sighting.sure and (self.births or sighting.identity is not None)
-            is_full = self._count_with([*self.tracklets, *begun]) >= self.most
-            left_out += may_be_new and is_full and not tracklet.hypotheses
+            is_full = may_be_new and self._count_with([*self.tracklets, *begun]) >= self.most
+            left_out += is_full and not tracklet.hypotheses
             if may_be_new and not is_full:
                 new = Followed(sighting.label, self.bank.begin(sighting.place, time), sighting)
                 score = -self.limits.new_log - 2.0 * math.log(self.limits.new_px)

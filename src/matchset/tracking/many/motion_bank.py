@@ -16,7 +16,7 @@ from matchset.tracking.motion import Gate
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
-STEADY, BALLISTIC, HALTED, BOUNCED = range(4)  # format: models of motion; the last two have no filter of their own
+STEADY, BALLISTIC, HALTED = range(3)  # format: models of motion; the last has no filter of its own
 ORDERS = 3  # format: position, velocity and acceleration of each axis
 IDENTITY = np.eye(ORDERS)  # format: of the transition
 TINY = 1e-9  # format: a probability of nearly nothing, whose logarithm is a number
@@ -49,9 +49,6 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         Mean time within which a target that is not seen has come to rest, or was caught, s.
     drift : float
         How far one at rest moves meanwhile, half-widths per root of s.
-    bounces, bounced_within : float
-        Probability that a target that has just been lost bounced off something, and left in any direction, no faster
-        than it came; and the time within which such a probability is forgotten, s.
     size_sigma, size_rate : float
         Standard deviation of ln(half-width) of a sighting, and of its change, 1/s.
     size_gain : float
@@ -69,8 +66,6 @@ class ManyMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
     center_sigma: float = 0.05
     halts_within: float = 1.0
     drift: float = 3.0
-    bounces: float = 0.02
-    bounced_within: float = 0.05
     size_sigma: float = 0.06
     size_rate: float = 0.5
     size_gain: float = 0.3
@@ -170,7 +165,7 @@ class Predicted:
         most, of_size = max(terms), float(tables.size_variances[slot])
         change = math.log(place.half_width / float(tables.half_widths[slot])) ** 2 / of_size
         log = most + math.log(sum(math.exp(term - most) for term in terms)) - 0.5 * change - 0.5 * math.log(of_size)
-        return Likelihood(log, max(squared, change), most in terms[HALTED:])
+        return Likelihood(log, max(squared, change), terms[HALTED] == most)
 
 
 class MotionBank:
@@ -245,15 +240,11 @@ class MotionBank:
         halted = np.clip(halted, TINY, 1.0 - TINY)[:, None]
         last = self._state[used, STEADY, 0]
         drift = self._covariance[used, STEADY, 0, 0] + (self.limits.drift * half_widths) ** 2 * gone
-        speeds = (self._state[used, STEADY, 1] ** 2).sum(axis=1) + self._covariance[used, STEADY, 1, 1]
-        away = self._covariance[used, STEADY, 0, 0] + speeds * gone**2
-        rest = np.stack((last, last), axis=1)
-        bounced = np.maximum(self.limits.bounces * np.exp(-gone / self.limits.bounced_within), TINY)[:, None]
         return Tables(
-            np.concatenate((states[:, :, 0], rest), axis=1),
-            np.concatenate((states[:, :, 1], np.zeros_like(rest)), axis=1),
-            np.concatenate((covariances[:, :, 0, 0], drift[:, None], away[:, None]), axis=1),
-            np.log(np.concatenate((shares * (1.0 - halted) * (1.0 - bounced), halted, bounced), axis=1)),
+            np.concatenate((states[:, :, 0], last[:, None]), axis=1),
+            np.concatenate((states[:, :, 1], np.zeros_like(last)[:, None]), axis=1),
+            np.concatenate((covariances[:, :, 0, 0], drift[:, None]), axis=1),
+            np.log(np.concatenate((shares * (1.0 - halted), halted), axis=1)),
             half_widths,
             self.limits.size_sigma**2 + (self.limits.size_rate * gone) ** 2,
         )

@@ -10,7 +10,7 @@ from matchset.shapes.shape import Shape
 from matchset.tracking.many.field_timing import FieldTiming
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
-from matchset.tracking.many.searches import Searches
+from matchset.tracking.many.searching.searches import Searches
 from matchset.tracking.many.sightings import Sighting, are_fields, of_both, place_of, sighting_of
 from matchset.tracking.many.tracklet import Followed, Tracklet, start
 from matchset.tracking.motion import Gate

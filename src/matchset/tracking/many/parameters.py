@@ -5,13 +5,13 @@ import math
 import msgspec
 
 from matchset.tracking.constants import TrackerConstants
-from matchset.tracking.many.disc_search import DiscSearchParameters
 from matchset.tracking.many.field_timing import FieldTimingParameters
 from matchset.tracking.many.linking import LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters
+from matchset.tracking.many.searching.disc_search import DiscSearchParameters
+from matchset.tracking.many.searching.strip_search import StripSearchParameters
 from matchset.tracking.many.sightings import MergeParameters
 from matchset.tracking.many.smoothing.smoother import BothWaysParameters
-from matchset.tracking.many.strip_search import StripSearchParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.parameters import TrackerParameters
 

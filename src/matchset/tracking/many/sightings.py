@@ -1,5 +1,6 @@
 """An outline in a frame: `Sighting`; and the two fields of an interlaced picture, in which one target has two."""
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import msgspec
@@ -97,6 +98,11 @@ def sighting_of(track: Track[Any], sigmas: tuple[float, float], label: str) -> S
 def place_of(shape: Any) -> Gate:
     """Return center and half-width of a shape, px; of a circle without an array, in a fifth of the time."""
     return Gate(shape.x, shape.y, shape.radius) if type(shape) is Circle else gate_of(type(shape), shape.state)
+
+
+def is_near_one(place: Gate, others: Iterable[Gate], distance: float) -> bool:
+    """Whether a place is nearer to one of others than so many half-widths of the larger: the same, or inside."""
+    return any(place.distance(other) < distance * max(place.half_width, other.half_width) for other in others)
 
 
 def are_fields(image: Image, color: ColorModel, places: tuple[Gate, Gate], limits: MergeParameters) -> bool:

@@ -32,6 +32,20 @@ export function drawTarget(target, color, show, chosen, width = 0) {
   return parts;
 }
 
+// What may be a ball as well: dashed and white; its words are read out.
+export function drawDoubtful(outline) {
+  const mark = made("g", { role: "img", class: "doubtful" });
+  const words = document.createElementNS(SVG, "title");
+  const [x, y] = [0, 1].map((first) => outline.reduce((sum, value, index) => sum + (index % 2 === first ? value : 0), 0) / (outline.length / 2));
+  words.textContent = `doubtful: may be a ball, at ${Math.round(x)}, ${Math.round(y)}; a click follows it`;
+  const back = shape("polygon", outline, { stroke: "#000", "stroke-width": 4, "stroke-opacity": 0.6, "stroke-dasharray": "4 6" });
+  const front = shape("polygon", outline, { stroke: "#fff", "stroke-width": 1.8, "stroke-dasharray": "4 6" });
+  const sign = made("text", { x, y, "text-anchor": "middle", "dominant-baseline": "central", fill: "#fff", stroke: "#000" });
+  sign.textContent = "?";
+  mark.append(words, back, front, sign);
+  return mark;
+}
+
 // The name of a target at the upper right of its outline, or at the upper left where the picture ends.
 function nameAt(outline, target, color, width) {
   const xs = outline.filter((_, index) => index % 2 === 0);

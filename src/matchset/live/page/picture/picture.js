@@ -2,7 +2,7 @@
 
 import { colorOf } from "../colors.js";
 import { Clicks } from "./clicks.js";
-import { drawCross, drawTarget, drawTrace, drawTrail, spread } from "./drawing.js";
+import { drawCross, drawDoubtful, drawTarget, drawTrace, drawTrail, spread } from "./drawing.js";
 import { Gestures } from "./gestures.js";
 import { Zoom } from "./zoom.js";
 
@@ -18,6 +18,8 @@ export class PictureView {
     this.root = root;
     [this.canvas, this.maskCanvas] = root.querySelectorAll("canvas");
     this.drawing = root.querySelector("#drawing");
+    this.doubts = root.querySelector("#doubtful");
+    this.doubtful = [];
     this.clicks = new Clicks(...["#clicks", "#hint", "#said"].map((name) => root.querySelector(name)));
     this.context = this.canvas.getContext("2d");
     this.show = { outline: true, matchSet: false, trail: true, marker: true, axes: true, name: true };
@@ -32,7 +34,7 @@ export class PictureView {
     this.cross = this.line = null;
     Object.assign(this, { onPick, onOutline, onHold, onSelect });
     this.next = null; // a picture that came while another one stands still under a finger
-    const layers = [this.canvas, this.maskCanvas, this.drawing, this.clicks.drawing].filter(Boolean);
+    const layers = [this.canvas, this.maskCanvas, this.drawing, this.doubts, this.clicks.drawing].filter(Boolean);
     this.zoom = new Zoom(root, layers, (scale) => { this.redraw(); if (this.onZoom) this.onZoom(scale); });
     this.gestures = new Gestures(root, this);
   }
@@ -55,6 +57,7 @@ export class PictureView {
     this.shown = turn;
     this.sequence = packet.sequence;
     this.targets = state.targets || [];
+    this.doubtful = state.crowd?.doubtful || [];
     this.note(state.time, state.stretch || 0);
     this.redraw();
     return true;
@@ -68,10 +71,12 @@ export class PictureView {
     this.size = this.take = this.cross = this.line = null;
     this.next = null;
     this.targets = [];
+    this.doubtful = [];
     this.trails.clear();
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.paintMask(null);
     this.drawing.replaceChildren();
+    this.doubts?.replaceChildren();
     this.clicks.forget();
     this.zoom.whole();
   }
@@ -88,7 +93,7 @@ export class PictureView {
     this.size = [width, height];
     this.root.style.aspectRatio = `${width} / ${height}`;
     this.root.style.setProperty("--aspect", width / height);
-    for (const each of [this.drawing, this.clicks.drawing]) each.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
+    for (const each of [this.drawing, this.doubts, this.clicks.drawing].filter(Boolean)) each.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
   }
 
   // The target that the reading shows, if it is in the picture; else the newest.
@@ -157,7 +162,8 @@ export class PictureView {
     if (this.wantsMask && this.maskOf !== null && this.maskOf !== this.targetOfMask(this.targets)) this.remask();
     if (this.line) parts.push(...drawTrace(this.line));
     const pixel = this.size[0] / Math.max(this.root.clientWidth, 1) / this.zoom.scale; // picture px in a CSS px
-    this.drawing.style.setProperty("--pixel", `${pixel}px`);
+    for (const each of [this.drawing, this.doubts].filter(Boolean)) each.style.setProperty("--pixel", `${pixel}px`);
+    this.doubts?.replaceChildren(...(this.show.outline ? this.doubtful.map(drawDoubtful) : []));
     this.clicks.resize(pixel);
     spread(parts.filter((part) => part.classList.contains("target-name")), pixel);
     if (this.cross) parts.push(...drawCross(this.cross, CROSS * pixel));

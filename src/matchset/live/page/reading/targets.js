@@ -5,6 +5,7 @@ import { element } from "./reading.js";
 import { parseMeasured } from "../units.js";
 
 const LONGEST = 60; // letters of a name
+const CALM = 1000; // ms for which a sentence about all that is like one stays: it is read out
 const MANY = 3; // targets, with more of which only the chosen one shows its fields
 
 export class TargetList {
@@ -44,6 +45,16 @@ export class TargetList {
       this.showName(target, targets);
     }
     return targets.find((target) => target.id === this.chosen) || null;
+  }
+
+  // How many are followed, doubtful and left out, while all like one are looked for.
+  showCrowd(root, crowd) {
+    const words = crowd ? crowdWords(crowd) : "";
+    const now = performance.now();
+    if (words === root.textContent || (words && root.textContent && now - this.saidAt < CALM)) return;
+    this.saidAt = now;
+    root.textContent = words;
+    root.hidden = !words;
   }
 
   // Its name, which may change, and in words what is in doubt.
@@ -150,6 +161,9 @@ export class TargetList {
     return details;
   }
 }
+
+const crowdWords = ({ followed, doubtful = [], left_out = 0, most }) =>
+  `${followed} followed, ${doubtful.length} doubtful, ${left_out} left out (most ${most})`;
 
 // A field for a length, in words where it is none. An empty field stands for "not known".
 function lengthForm(name, value, example, take, action = "set") {

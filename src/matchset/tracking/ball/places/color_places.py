@@ -9,6 +9,7 @@ A picture costs no more than so many cells: of a larger window a part is read, t
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -83,7 +84,7 @@ def places_of_color(
     known: tuple[Floats, ColorModel],
     around: tuple[Circle3, float],
     turn: int,
-    in_vain: list[tuple[float, float]],
+    covered: Sequence[Circle3],
     limits: ColorPlaceParameters,
 ) -> list[Circle3]:
     """Find places of a ball's color in a window, the likeliest first.
@@ -97,8 +98,8 @@ def places_of_color(
         Middle of the window and the radius that is looked for; and half the window's side, px.
     turn : int
         Says which part of a large window is read.
-    in_vain : list of (x, y)
-        Places that are left out.
+    covered : sequence of (x, y, radius)
+        Circles that are left out, px; at least a square of cells around each center.
     limits : ColorPlaceParameters
 
     Returns
@@ -122,8 +123,8 @@ def places_of_color(
         rows = max(int((bottom - top) / step), 1)
     merits, likeness = _merits(image[top:bottom, left:right], (columns, rows), known, limits)
     across, down = (right - left) / columns, (bottom - top) / rows
-    for at_x, at_y, *size in in_vain:
-        cells = round(size[0] / across) if size else limits.middle // 2
+    for at_x, at_y, around_px in covered:
+        cells = max(round(around_px / across), limits.middle // 2)
         cv2.circle(merits, (int((at_x - left) / across), int((at_y - top) / down)), cells, 0.0, -1)
     maxima = _maxima(merits, limits)
     if not maxima:

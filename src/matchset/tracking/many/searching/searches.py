@@ -10,13 +10,13 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame, channels_last
 from matchset.shapes.circle import Circle
-from matchset.tracking.many.disc_search import DiscSearch
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
+from matchset.tracking.many.searching.disc_search import DiscSearch, Sought
+from matchset.tracking.many.searching.strip_search import STRIPS, StripSearch
+from matchset.tracking.many.searching.unexplained import precompile_unexplained, unexplained
 from matchset.tracking.many.sightings import Sighting, sighting_of
-from matchset.tracking.many.strip_search import STRIPS, StripSearch
 from matchset.tracking.many.tracklet import Followed
-from matchset.tracking.many.unexplained import unexplained
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
 
@@ -36,27 +36,32 @@ class Searches:
     colors : mapping of str to ColorModel
         By label.
     parameters : MultiTrackerParameters
-
-    Attributes
-    ----------
-    doubtful : list of Track
-        What the last search found that may be a ball, and was not taken for one.
     """
 
     def __init__(
         self, families: Mapping[str, type[Any]], colors: Mapping[str, ColorModel], parameters: MultiTrackerParameters
     ) -> None:
-        self._colors, self._limits = colors, parameters
-        self._strips = {label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()}
+        self._colors = colors
+        self._limits = parameters
+        self._strips = {
+            label: StripSearch(families[label], color, parameters.search) for label, color in colors.items()
+        }
         self._discs = {
             label: DiscSearch(color, parameters.points, parameters.discs)
             for label, color in colors.items()
             if families[label] is Circle and color.sample is not None
         }
+        if self._discs:
+            precompile_unexplained()
         self._striped = [label for label in colors if label not in self._discs]
-        self._frames = self._turn = 0
+        self._frames = 0
+        self._turn = 0
         self._left_over = dict.fromkeys(self._discs, 0)
-        self.doubtful = list[Track[Any]]()
+
+    @property
+    def doubtful(self) -> list[Track[Any]]:
+        """What the last search of each color saw that may be a ball, and was not taken for one."""
+        return [track for search in self._discs.values() for track in search.doubtful]
 
     def at(self, frame: Frame, label: str, point: tuple[float, float], known: Sequence[Gate]) -> list[Track[Any]]:
         """Shapes of a label near a point, px."""
@@ -104,33 +109,39 @@ class Searches:
         self, frame: Frame, predicted: Predicted, hidden: Sequence[Followed], known: Sequence[Sighting]
     ) -> list[Sighting]:
         """Balls of all colors whose search is due."""
-        image, found = channels_last(frame.image), list[Sighting]()
+        image = channels_last(frame.image)
+        found = list[Sighting]()
         for label, search in self._discs.items():
             of_color = [each for each in hidden if each.label == label]
-            lost = [each for each in of_color if frame.time - each.seen < self._limits.expected]
-            lost = sorted(lost, key=lambda each: -each.seen)[: self._limits.probes]
             places = [each.place for each in (*known, *found)]
             sizes = [each.place.half_width for each in known if each.label == label]
-            if not (of_color or self._is_due(image, label, places, search.smallest(sizes))):
+            radius = search.smallest(sizes)
+            seen = self._count(image, label, places, radius)
+            more = max(seen - self._left_over[label], 0)
+            self._left_over[label] = min(self._left_over[label], seen)
+            if not (of_color or self._is_due(more, radius)):
                 continue
-            discs = search.update(frame, places, sizes, [predicted.likeliest(each.slot)[0] for each in lost])
-            found += [self._sighting(each.track, label) for each in discs]
-            self.doubtful = search.doubtful
-            places += [each.place for each in found]
-            self._left_over[label] = self._count(image, label, places, search.smallest(sizes))
+            lost = [each for each in of_color if frame.time - each.seen < self._limits.expected]
+            lost = sorted(lost, key=lambda each: -each.seen)[: self._limits.probes]
+            expected = [predicted.likeliest(each.slot)[0] for each in lost]
+            missing = more * self._step(radius) ** 2 / (math.pi * search.usual(sizes) ** 2)
+            fresh = [
+                self._sighting(track, label) for track in search.update(frame, Sought(places, sizes, expected, missing))
+            ]
+            found += fresh
+            places += [each.place for each in fresh]
+            self._left_over[label] = self._count(image, label, places, radius)
         return found
 
-    def _is_due(self, image: Image, label: str, places: Sequence[Gate], radius: float) -> bool:
+    def _is_due(self, more: int, radius: float) -> bool:
         """Whether more of a color is seen than the balls that are known explain, or it is time to look again."""
-        if self._frames <= self._limits.discs.settled or self._frames % self._limits.discs.again == 0:
+        limits = self._limits.discs
+        if self._frames <= limits.settled or self._frames % limits.again == 0:
             return True
-        seen = self._count(image, label, places, radius)
-        one = self._limits.discs.noticed * math.pi * (radius / self._step(radius)) ** 2
-        is_more = seen > self._left_over[label] + one
-        self._left_over[label] = min(self._left_over[label], seen)
-        return is_more
+        return more > limits.noticed * math.pi * (radius / self._step(radius)) ** 2
 
     def _count(self, image: Image, label: str, places: Sequence[Gate], radius: float) -> int:
+        """Pixels of the grid with a color that no place explains."""
         color = self._colors[label]
         if color.channels != image.shape[2]:
             return 0
@@ -145,7 +156,8 @@ class Searches:
         self, frame: Frame, hidden: Sequence[Followed], places: Sequence[Gate], *, finds: bool
     ) -> list[Sighting]:
         """Shapes in one strip: of every label by turns while new ones are looked for, else of one that is gone."""
-        limits, labels = self._limits, self._striped
+        limits = self._limits
+        labels = self._striped
         if finds and labels:
             if hidden or self._frames % limits.period == 0 or self._frames < STRIPS * len(labels):
                 label = labels[self._turn]

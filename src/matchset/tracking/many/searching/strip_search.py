@@ -16,6 +16,7 @@ from matchset.image.frame import Frame, channels_last
 from matchset.shapes.shape import Shape, finds_itself, from_hull
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import track_of
+from matchset.tracking.many.sightings import is_near_one
 from matchset.tracking.motion import Gate, gate_of
 from matchset.tracking.search.voting import Searcher, SearchParameters
 from matchset.tracking.track import Track
@@ -162,11 +163,13 @@ class StripSearch:
         for start in self._starts(searcher, part, (left, top)):
             if fitted == self.parameters.candidates:
                 break
-            if self._is_known(start.place, taken):
+            if is_near_one(start.place, taken, self.parameters.same_distance):
                 continue
             fitted += 1
             estimate = self._fit(image, start, _Searched(searcher.stride, expected, sizes))
-            if estimate is None or self._is_known(gate_of(self.family, estimate.state), taken):
+            if estimate is None or is_near_one(
+                gate_of(self.family, estimate.state), taken, self.parameters.same_distance
+            ):
                 continue
             taken.append(gate_of(self.family, estimate.state))
             found.append(track_of(self._fitter, None, frame.time, pixel_aspect=frame.pixel_aspect))
@@ -213,11 +216,3 @@ class StripSearch:
             return Prior.HERE
         alike = any(abs(math.log(half_width / size)) < self.parameters.alike for size in searched.sizes)
         return Prior.PRESENT if alike else Prior.NONE
-
-    def _is_known(self, place: Gate, others: Sequence[Gate]) -> bool:
-        """Whether a shape is one of the others, or inside one, or around one."""
-        return any(
-            math.hypot(place.x - other.x, place.y - other.y)
-            < self.parameters.same_distance * max(place.half_width, other.half_width)
-            for other in others
-        )

@@ -1,14 +1,16 @@
 """How much of a picture has the color of the balls and is none that is known: `unexplained`.
 
-A few microseconds a picture: pixels of a coarse grid are looked up in the color table. Where their number has not grown
+Pixels of a coarse grid are looked up in the color table. Where their number has not grown
 since the picture was searched, nothing new has come, and no search is due.
 """
+
+import functools
 
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.numeric.jit import kernel
+from matchset.numeric.jit import collection_paused, kernel
 from matchset.tracking.ball.discs import GRAY_CELLS
 
 Floats = npt.NDArray[np.float64]
@@ -28,6 +30,13 @@ def unexplained(image: Image, color: ColorModel, known: Floats, step: int) -> in
         Of the grid, px.
     """
     return int(_unexplained(image, color.table, known, step))
+
+
+@functools.cache
+@collection_paused()
+def precompile_unexplained() -> None:
+    """Compile it before a picture waits for it."""
+    _unexplained(np.zeros((1, 1, 3), np.uint8), np.zeros(1, np.int8), np.zeros((0, 3)), 1)
 
 
 @kernel(refcount=False)

@@ -81,7 +81,7 @@ _SORT: dict[str, tuple[Any, ...]] = {
     **_SHARED,
 }
 _LINK: dict[str, tuple[Any, ...]] = {
-    "search_range": (40.0, 15.0, 25.0, 60.0),
+    "search_range": (40.0, 15.0, 25.0, 60.0, 90.0),
     "memory": (8, 0, 3, 15, 30),
     "span": (1, 0, 3),
 }

@@ -19,8 +19,8 @@ def start(image: Bytes, circle: ms.Circle, parameters: dict[str, Any]) -> Find:
     """Learn the color and the mass of the clicked spot.
 
     `wide`: diameter of a spot in clicked ones; `mass`: least of a spot, in clicked ones; `far`: distance in CIELAB at
-    which a picture in color is black; `separation`: least between spots, in clicked diameters; `sized`: radius by its spread.
-    Where the clicked one is larger than `LARGEST`, pictures are shrunk: `locate` takes seconds for large spots.
+    which a picture in color is black; `separation`: least between spots, in clicked diameters; `sized`: radius by its
+    spread. Where the clicked one is larger than `LARGEST`, pictures are shrunk: `locate` takes seconds for large spots.
     """
     import trackpy
 

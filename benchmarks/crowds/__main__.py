@@ -1,7 +1,7 @@
 """Who keeps which name in a crowd of equal balls: `make bench-crowds`, or `python -m benchmarks.crowds`.
 
 Each crowd of each follower is kept in `crowds.kept` as soon as it is known: a run that was stopped goes on. What is
-asked for is printed as a page, and written to a file if one is named.
+asked for is printed as a page, and written to a file if one is named: sections there that it does not report stay.
 """
 
 import itertools
@@ -18,7 +18,7 @@ from benchmarks.crowds.composed.scenes import COMPOSED
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
 from benchmarks.crowds.labelled import folder, how_to_get
-from benchmarks.crowds.page import page
+from benchmarks.crowds.page import completed, page
 from benchmarks.crowds.physics.clip import SCENES as PHYSICS
 from benchmarks.crowds.physics.world import engine
 from benchmarks.crowds.rows import Kept, follow
@@ -65,10 +65,11 @@ def main(
                 print(f"{number} of {len(listed)}: {case.scene}, {case.balls} balls, seed {case.seed}", file=sys.stderr)
                 follow(case, missing, field, machine, kept.add)
     rows = [row for case in listed for key in keys if (row := kept.get(case, key))]
-    where = f"{here.date}, commit {here.commit}, {machine}. Seeds {seeds}. Written by `make bench-crowds`."
+    where = f"{here.date}, commit {here.commit}, {machine}. Written by `make bench-crowds`."
     text = page(rows, where, bars(rows, cost_ratio()) if judge else ())
     if output:
-        output.write_text(text, encoding="utf-8")
+        old = output.read_text(encoding="utf-8") if output.exists() else ""
+        output.write_text(completed(text, old), encoding="utf-8")
     print(text)
 
 

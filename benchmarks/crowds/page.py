@@ -1,6 +1,8 @@
-"""The page of all followers and crowds: `page`, `table`. Real pixels come first, rendered ones last."""
+"""The page of all followers and crowds: `page`, `table`, `completed`. Real pixels come first, rendered ones last."""
 
+import re
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -39,8 +41,8 @@ against.
 
 *recipe*: the range of hue, saturation and value around the click, `cv2.inRange`, contours, `minEnclosingCircle`, then
 norfair or ByteTrack. *Edge Drawing*: ellipses of `cv2.ximgproc` in the clicked color, then SORT. *trackpy*: `locate` in
-the picture of how near colors are to the clicked one, then `link`. These look for themselves. *norfair*, *ByteTrack*,
-*OC-SORT*, *SORT*: fed with the circles of `ms.detect`, as boxes with their support as confidence. Each has
+a gray picture, or in one of how near colors are to the clicked one, then `link`. These look for themselves. *norfair*,
+*ByteTrack*, *OC-SORT*, *SORT*: fed with the circles of `ms.detect`, as boxes with their support as confidence. Each has
 the parameters that were best on seeds that are not reported: `benchmarks/crowds/peers/parameters.toml` says on which.
 Their ms include the detection."""
 
@@ -66,30 +68,62 @@ SECTIONS = (
     ("Another renderer", ABOUT_PHYSICS, tuple(PHYSICS)),
     ("Rendered", ABOUT_RENDERED, tuple(RENDERED)),
 )
+BARS = "Bars"
+FILES = "Whole files"
+TITLES = (BARS, *(title for title, _, _ in SECTIONS), FILES)  # of sections, in their order
 
 
 def page(rows: Sequence[Row], where: str, judged: Sequence[Bar] = ()) -> str:
-    """Write the page."""
-    parts = ["# Crowds of equal balls", where, ABOUT]
+    """Write the page; each section says when and where it was measured, `where`, and on which seeds."""
+    parts = ["# Crowds of equal balls", ABOUT]
     if judged:
         head = ["| what | bar | measured | reached |", "| --- | --- | --- | --- |"]
-        parts += ["## Bars", "\n".join([*head, *(bar.line() for bar in judged)])]
+        parts += [f"## {BARS}", where, "\n".join([*head, *(bar.line() for bar in judged)])]
     live = [row for row in rows if row.follower != SMOOTH]
     for title, about, scenes in SECTIONS:
         group = [row for row in live if row.case.scene in scenes]
         pairs = [row for row in group if row.case.scene == PAIR]
         if group:
-            parts += [f"## {title}", about, table([row for row in group if row.case.scene != PAIR])]
+            others = [row for row in group if row.case.scene != PAIR]
+            parts += [f"## {title}", about, where + _seeds(others), table(others)]
         if pairs:
             parts += ["### One hides the other for a second", pair_table(pairs)]
     whole = {row.case for row in rows if row.follower == SMOOTH}
     if whole:
-        parts += [
-            "## Whole files",
-            ABOUT_FILES,
-            table([row for row in rows if row.case in whole and row.follower in OWN]),
-        ]
+        both = [row for row in rows if row.case in whole and row.follower in OWN]
+        parts += [f"## {FILES}", ABOUT_FILES, where + _seeds(both), table(both)]
     return "\n\n".join(parts) + "\n"
+
+
+def completed(text: str, old: str) -> str:
+    """Add to a page those sections of an older one that it lacks; they keep what they say of when they were measured.
+
+    Parameters
+    ----------
+    text, old : str
+        Pages.
+
+    Returns
+    -------
+    str
+    """
+    head, sections = _split(text)
+    sections = _split(old)[1] | sections
+    return "".join([head, *(sections[title] for title in TITLES if title in sections)]).rstrip() + "\n"
+
+
+def _split(text: str) -> tuple[str, dict[str, str]]:
+    """Return what stands before the first section, and each section by its title."""
+    starts = [found.start() for found in re.finditer(r"^## ", text, re.MULTILINE)]
+    ends = [*starts, len(text)]
+    parts = [text[begin:end].rstrip() + "\n\n" for begin, end in pairwise(ends)]
+    return text[: ends[0]], {part[3 : part.index("\n")]: part for part in parts}
+
+
+def _seeds(rows: Sequence[Row]) -> str:
+    """Say on which seeds rows are, the means of which stand in the table; a labelled clip has none."""
+    seeds = sorted({row.case.seed for row in rows if row.case.seconds})
+    return f" Seeds {', '.join(map(str, seeds))}." if seeds else ""
 
 
 def table(rows: Sequence[Row]) -> str:

@@ -14,7 +14,7 @@ from benchmarks.crowds.bars import FEW, PAIRS, bars, clear_balls
 from benchmarks.crowds.cases import Case, watched
 from benchmarks.crowds.followers import Many, absent, version
 from benchmarks.crowds.labelled import LABELS, LabelledClip
-from benchmarks.crowds.page import page
+from benchmarks.crowds.page import completed, page
 from benchmarks.crowds.peers import process
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
 from benchmarks.crowds.peers.peer import PEERS, Detection, Named, Peer, Step, stored
@@ -72,6 +72,25 @@ def test_real_pixels_come_first_and_rendered_ones_last() -> None:
     assert places == sorted(places, reverse=True)
     assert "| colloids | 5 | matchset" in text[places[2] : places[1]]
     assert "## Rendered" not in page(rows[1:], "Here.")
+
+
+def test_sections_that_are_not_reported_stay_in_the_page() -> None:
+    swarm = row(Case("swarm", 5, 3.0, 200))
+    colloids = row(Case("colloids", 5, 0.0, 0))
+    old = page([swarm, colloids], "Then.", bars([swarm], None))
+    new = page([row(Case("colloids", 5, 0.0, 0), hota=0.99)], "Now.")
+    text = completed(new, old)
+    assert text.startswith(new.rstrip()[: new.index("## ")])
+    assert [line for line in text.splitlines() if line.startswith("## ")] == [
+        "## Bars",
+        "## Real pixels",
+        "## Rendered",
+    ]
+    assert "Then. Seeds 200." in text[text.index("## Rendered") :]
+    assert "Now." in text[text.index("## Real pixels") : text.index("## Rendered")]
+    assert "0.990" in text
+    assert completed(new, "") == new
+    assert completed(old, old) == old
 
 
 def test_crowds_that_report_are_of_seeds_that_are_not_tuned_on() -> None:
@@ -196,17 +215,29 @@ def test_a_peer_that_is_not_installed_says_so(monkeypatch: pytest.MonkeyPatch, t
         PeerProcess("sort")
 
 
+def test_a_peer_that_does_not_answer_is_killed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    program = tmp_path / "bin" / "python"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\nexec sleep 60\n", encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setitem(PEERS, "sort", PEERS["sort"]._replace(environment=str(tmp_path)))
+    one = PeerProcess("sort", patience=0.2)
+    with pytest.raises(TimeoutError, match=r"SORT .* not answered for 0\.2 s"):
+        one.ask({})
+    one.close()
+
+
 @pytest.mark.parametrize("key", PEERS)
-def test_peers_keep_names_of_balls_that_fly_apart(key: str) -> None:
+def test_peers_keep_names_of_balls_that_fly_apart(key: str, request: pytest.FixtureRequest) -> None:
     if absent(key):
         pytest.skip(f"{PEERS[key].name}: {absent(key)}")
     one = PeerProcess(key)
+    request.addfinalizer(one.close)
     found: list[list[Detection]] = [
         [(100.0 + 3 * k, 100.0, 20.0, 0.95), (400.0 - 3 * k, 300.0, 20.0, 0.95)] for k in range(9)
     ]
     fed = FedPeer(one, stored(key), found, [0.0] * 9)
     answers = [fed.answers(k) for k in range(9)]
-    one.close()
     assert len(answers[-1]) == 2
     assert {each.identity for each in answers[-1]} == {each.identity for each in answers[5]}
     assert min(abs(each.circle.x - 124.0) for each in answers[-1]) < 3.0

@@ -67,7 +67,7 @@ bench-real: $(PEERS)  ## real footage and times, as a user has them, against wha
 bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
 
-bench-crowds: $(CROWDS)  ## who keeps which name in a crowd of equal balls, beside norfair, ByteTrack, OC-SORT and SORT (two hours; stop it, it goes on)
+bench-crowds: $(CROWDS)  ## who keeps which name in a crowd of equal balls, beside the usual recipe, trackpy, norfair, ByteTrack, SORT (hours; stop it, it goes on)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.crowds $(or $(ARGS),--bars -o benchmarks/CROWDS.md)
 
 bench-batch: $(READY)  ## one and two workers of matchset batch, killed ones, many simulated (half an hour and 3 GB; ARGS="FOLDER --only speed")

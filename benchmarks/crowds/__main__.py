@@ -1,9 +1,10 @@
 """Who keeps which name in a crowd of equal balls: `make bench-crowds`, or `python -m benchmarks.crowds`.
 
 Each crowd of each follower is kept in `crowds.kept` as soon as it is known: a run that was stopped goes on. What is
-asked for is printed as a page, and written to a file if one is named.
+asked for is printed as a page, and written to a file if one is named: sections there that it does not report stay.
 """
 
+import itertools
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -17,7 +18,7 @@ from benchmarks.crowds.composed.scenes import COMPOSED
 from benchmarks.crowds.followers import NAMES, Field, absent
 from benchmarks.crowds.labelled import NAMES as CLIPS
 from benchmarks.crowds.labelled import folder, how_to_get
-from benchmarks.crowds.page import page
+from benchmarks.crowds.page import completed, page
 from benchmarks.crowds.physics.clip import SCENES as PHYSICS
 from benchmarks.crowds.physics.world import engine
 from benchmarks.crowds.rows import Kept, follow
@@ -64,10 +65,11 @@ def main(
                 print(f"{number} of {len(listed)}: {case.scene}, {case.balls} balls, seed {case.seed}", file=sys.stderr)
                 follow(case, missing, field, machine, kept.add)
     rows = [row for case in listed for key in keys if (row := kept.get(case, key))]
-    where = f"{here.date}, commit {here.commit}, {machine}. Seeds {seeds}. Written by `make bench-crowds`."
+    where = f"{here.date}, commit {here.commit}, {machine}. Written by `make bench-crowds`."
     text = page(rows, where, bars(rows, cost_ratio()) if judge else ())
     if output:
-        output.write_text(text, encoding="utf-8")
+        old = output.read_text(encoding="utf-8") if output.exists() else ""
+        output.write_text(completed(text, old), encoding="utf-8")
     print(text)
 
 
@@ -80,9 +82,9 @@ def _grouped(groups: list[str], rendered: list[Case]) -> list[Case]:
     for group in groups:
         if group not in GROUPS:
             raise ValueError(f"a group is one of {', '.join(GROUPS)}, got {group!r}")
-    makers = (real, drawn_otherwise, lambda: rendered)
-    listed = [case for name, maker in zip(GROUPS, makers, strict=True) if name in groups for case in maker()]
-    return list(dict.fromkeys(listed))
+    found = [real() if "real" in groups else [], drawn_otherwise() if "physics" in groups else []]
+    found.append(rendered if "rendered" in groups else [])
+    return list(dict.fromkeys(itertools.chain(*found)))
 
 
 def _here(listed: list[Case]) -> list[Case]:

@@ -2,17 +2,22 @@
 
 import hashlib
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol
+
+import cv2
 
 import matchset as ms
 from benchmarks.crowds.cases import DETECTING, FOLLOWING, MOST, Watched, checksum, composed_checksum
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
+from benchmarks.crowds.peers.finders.finder import finder_checksum, parameters_of
 from benchmarks.crowds.peers.peer import PEERS, stored
 from benchmarks.crowds.score import Answer
 
 SCORE = Path(__file__).with_name("score.py")
 SMOOTH = "smooth"  # the same trackers, but for a whole file
+NEEDED = {"trackpy": ("trackpy",)}  # packages that a peer needs here, not only in an environment of its own
 OWN = {"matchset": "matchset `MultiTracker`", SMOOTH: "the same, `smooth`"}
 NAMES = OWN | {key: peer.name for key, peer in PEERS.items()}
 
@@ -64,7 +69,9 @@ def _seen(targets: list[ms.Target[Any]]) -> list[Answer]:
 def absent(key: str) -> str:
     """Why a follower cannot be had here; empty if it can."""
     if key in PEERS:
-        return "" if PEERS[key].python.exists() else "not installed: `make bench-crowds` does it"
+        missing = not PEERS[key].python.exists() or any(find_spec(each) is None for each in NEEDED.get(key, ()))
+        missing |= key == "edges" and not hasattr(cv2, "ximgproc")
+        return "not installed: `make bench-crowds` does it" if missing else ""
     return ""
 
 
@@ -100,5 +107,9 @@ def version(key: str, scene: str = "") -> str:
     scoring = hashlib.sha256(SCORE.read_bytes()).hexdigest()[:4] + composed_checksum(scene)
     if key in PEERS:
         values = ", ".join(f"{name} {value}" for name, value in sorted(stored(key).items()))
+        finder = PEERS[key].finder
+        if finder:
+            looking = ", ".join(f"{name} {value}" for name, value in sorted(parameters_of(finder).items()))
+            return f"{checksum(())}-{finder_checksum()}-{scoring}: {values}; {looking}"
         return f"{checksum(DETECTING)}-{scoring}: {values}"
     return f"{checksum(FOLLOWING)}-{scoring}"

@@ -8,6 +8,7 @@ import numpy as np
 
 from benchmarks.crowds.cases import PAIR, Case, Watched, color_of, noted, watched
 from benchmarks.crowds.followers import SMOOTH, Field, smoothed, version
+from benchmarks.crowds.peers.finders.finder import found_by
 from benchmarks.crowds.peers.peer import PEERS
 from benchmarks.crowds.score import Answer, Score, names_kept, score
 
@@ -75,13 +76,19 @@ def follow(case: Case, keys: Sequence[str], field: Field, machine: str, add: Cal
     """Let followers follow a crowd, and hand out the row of each."""
     for key in keys:
         if key in PEERS:
-            known = watched(case)
+            known = fed_with(key, case)
             answers, seconds = follow_fed(field, key, known)
         elif key == SMOOTH:
             known, answers, seconds = _follow_both_ways(case)
         else:
             known, answers, seconds = _follow_pictures(field, case)
         add(_row(case, key, known, answers, seconds, machine))
+
+
+def fed_with(key: str, case: Case) -> Watched:
+    """Return what a peer is fed with in a crowd."""
+    finder = PEERS[key].finder
+    return found_by(finder, case) if finder else watched(case)
 
 
 def follow_fed(

@@ -165,9 +165,9 @@ def counted(pairs: Iterable[tuple[list[Seen], list[Answer]]]) -> tuple[float, fl
     balls = right = false = renamed = close = 0
     for seen, said in pairs:
         balls += sum(each.visible >= MIN_VISIBLE for each in seen)
-        met = _met(seen, said, last)
-        false += len(said) - len(met)
-        for ball, answer in met:
+        given = met(seen, said, last)
+        false += len(said) - len(given)
+        for ball, answer in given:
             if ball.visible < MIN_VISIBLE:
                 continue
             right += 1
@@ -179,7 +179,7 @@ def counted(pairs: Iterable[tuple[list[Seen], list[Answer]]]) -> tuple[float, fl
     return 1.0 - (balls - right + false + renamed) / most, right / most, renamed, close / most
 
 
-def _met(seen: list[Seen], said: list[Answer], last: dict[int, int]) -> list[tuple[Seen, Answer]]:
+def met(seen: list[Seen], said: list[Answer], last: dict[int, int]) -> list[tuple[Seen, Answer]]:
     """Give answers to balls of a frame: to those that count first, then by their last names, then the nearest."""
     gains = np.zeros((len(seen), len(said)))
     for row, ball in enumerate(seen):

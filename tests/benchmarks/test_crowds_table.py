@@ -6,6 +6,7 @@ import json
 import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from benchmarks.crowds import cases, labelled
@@ -13,7 +14,7 @@ from benchmarks.crowds.bars import FEW, PAIRS, bars, clear_balls
 from benchmarks.crowds.cases import Case, watched
 from benchmarks.crowds.followers import Many, absent, version
 from benchmarks.crowds.labelled import LABELS, LabelledClip
-from benchmarks.crowds.page import page
+from benchmarks.crowds.page import completed, page
 from benchmarks.crowds.peers import process
 from benchmarks.crowds.peers.client import FedPeer, PeerProcess
 from benchmarks.crowds.peers.peer import PEERS, Detection, Named, Peer, Step, stored
@@ -58,9 +59,44 @@ def test_the_best_hota_of_a_crowd_is_bold_and_pairs_have_a_table_of_their_own() 
     rows = [row(Case("swarm", 5, 10.0, 200), key, hota) for key, hota in (("matchset", 0.9), ("sort", 0.8))]
     rows += [row(case, right=k % 2) for k, case in enumerate(PAIRS[:4])]
     text = page(rows, "Here.")
-    assert "| swarm, 10 s | 5 | matchset `MultiTracker` | **0.900** |" in text
-    assert "| swarm, 10 s | 5 | SORT (trackers 2.6) | 0.800 |" in text
+    assert "| swarm, 10 s | 5 | matchset `MultiTracker` | **0.800** | 90.0 | 1.0 | 50.0 | **0.900** |" in text
+    assert "| swarm, 10 s | 5 | SORT (trackers 2.6) | **0.800** | 90.0 | 1.0 | 50.0 | 0.800 |" in text
     assert "| matchset `MultiTracker` | 2 of 4 |" in text
+
+
+def test_real_pixels_come_first_and_rendered_ones_last() -> None:
+    scenes = {"swarm": "## Rendered", "physics_box": "## Another renderer", "colloids": "## Real pixels"}
+    rows = [row(Case(scene, 5, 0.0 if scene == "colloids" else 3.0, 0)) for scene in scenes]
+    text = page(rows, "Here.")
+    places = [text.index(title) for title in scenes.values()]
+    assert places == sorted(places, reverse=True)
+    assert "| colloids | 5 | matchset" in text[places[2] : places[1]]
+    assert "## Rendered" not in page(rows[1:], "Here.")
+
+
+def test_sections_that_are_not_reported_stay_in_the_page() -> None:
+    swarm = row(Case("swarm", 5, 3.0, 200))
+    colloids = row(Case("colloids", 5, 0.0, 0))
+    old = page([swarm, colloids], "Then.", bars([swarm], None))
+    new = page([row(Case("colloids", 5, 0.0, 0), hota=0.99)], "Now.")
+    text = completed(new, old)
+    assert text.startswith(new.rstrip()[: new.index("## ")])
+    assert [line for line in text.splitlines() if line.startswith("## ")] == [
+        "## Bars",
+        "## Real pixels",
+        "## Rendered",
+    ]
+    assert "Then. Seeds 200." in text[text.index("## Rendered") :]
+    assert "Now." in text[text.index("## Real pixels") : text.index("## Rendered")]
+    assert "0.990" in text
+    assert completed(new, "") == new
+    assert completed(old, old) == old
+
+
+def test_crowds_that_report_are_of_seeds_that_are_not_tuned_on() -> None:
+    assert {case.seed for case in cases.real() if case.scene.startswith("composed")} == {650, 651}
+    assert {case.scene for case in cases.real()} == set(cases.REAL)
+    assert {case.scene for case in cases.drawn_otherwise()} == {*cases.EVERY} - {*cases.REAL, *cases.RENDERED}
 
 
 def test_whole_files_stand_beside_what_was_answered_live_and_are_no_rivals() -> None:
@@ -68,8 +104,8 @@ def test_whole_files_stand_beside_what_was_answered_live_and_are_no_rivals() -> 
     rows = [row(ten, hota=0.93), row(ten, "smooth", 0.97), row(ten, "sort", 0.9), row(PAIRS[0], "smooth", 0.99)]
     live, files = page(rows, "Here.").split("## Whole files")
     assert "smooth" not in live
-    assert "| swarm, 10 s | 10 | matchset `MultiTracker` | 0.930 |" in files
-    assert "| swarm, 10 s | 10 | the same, `smooth` | **0.970** |" in files
+    assert "| swarm, 10 s | 10 | matchset `MultiTracker` | **0.800** | 90.0 | 1.0 | 50.0 | 0.930 |" in files
+    assert "| swarm, 10 s | 10 | the same, `smooth` | **0.800** | 90.0 | 1.0 | 50.0 | **0.970** |" in files
     assert "SORT" not in files
     found = {bar.what: bar for bar in bars(rows, None)}
     assert found["HOTA, 10 balls, swarm; rank"].measured == "0.930, rank 1 of 2"
@@ -179,17 +215,29 @@ def test_a_peer_that_is_not_installed_says_so(monkeypatch: pytest.MonkeyPatch, t
         PeerProcess("sort")
 
 
+def test_a_peer_that_does_not_answer_is_killed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    program = tmp_path / "bin" / "python"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\nexec sleep 60\n", encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setitem(PEERS, "sort", PEERS["sort"]._replace(environment=str(tmp_path)))
+    one = PeerProcess("sort", patience=0.2)
+    with pytest.raises(TimeoutError, match=r"SORT .* not answered for 0\.2 s"):
+        one.ask({})
+    one.close()
+
+
 @pytest.mark.parametrize("key", PEERS)
-def test_peers_keep_names_of_balls_that_fly_apart(key: str) -> None:
+def test_peers_keep_names_of_balls_that_fly_apart(key: str, request: pytest.FixtureRequest) -> None:
     if absent(key):
         pytest.skip(f"{PEERS[key].name}: {absent(key)}")
     one = PeerProcess(key)
+    request.addfinalizer(one.close)
     found: list[list[Detection]] = [
         [(100.0 + 3 * k, 100.0, 20.0, 0.95), (400.0 - 3 * k, 300.0, 20.0, 0.95)] for k in range(9)
     ]
     fed = FedPeer(one, stored(key), found, [0.0] * 9)
     answers = [fed.answers(k) for k in range(9)]
-    one.close()
     assert len(answers[-1]) == 2
     assert {each.identity for each in answers[-1]} == {each.identity for each in answers[5]}
     assert min(abs(each.circle.x - 124.0) for each in answers[-1]) < 3.0
@@ -231,3 +279,19 @@ def test_a_clip_is_read_with_its_labels(tmp_path: Path, monkeypatch: pytest.Monk
     assert seen is not None
     assert [each.visible for each in seen] == [1.0, 1.0, 1.0, 1.0, 0.0]
     assert next(read)[1] is None
+
+
+def test_colloids_are_one_crowd_of_gray_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MATCHSET_REAL_DATA", str(tmp_path))
+    with pytest.raises(FileNotFoundError, match="MATCHSET_REAL_DATA"):
+        LabelledClip("colloids")
+    place = tmp_path / "colloids_brightfield"
+    place.mkdir()
+    clip = LabelledClip("colloids")
+    assert clip.seconds == pytest.approx(36 / 25)
+    cv2.imwrite(str(place / "bf_0000.png"), np.full((500, 500), 141, np.uint8))
+    frame, seen = next(iter(clip))
+    assert frame.image.shape == (500, 500)
+    assert seen is not None
+    assert [each.visible for each in seen] == [1.0] * 5
+    assert cases.cases(["colloids"], [9], 3.0, (200, 201)) == [Case("colloids", 5, 0.0, 0)]

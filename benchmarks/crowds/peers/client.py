@@ -1,12 +1,16 @@
 """A peer as a `Follower`: its process is fed with the detections of a file."""
 
 import json
+import select
 import subprocess
 from typing import Any
 
 import matchset as ms
 from benchmarks.crowds.peers.peer import PEERS, ROOT
 from benchmarks.crowds.score import Answer
+
+PATIENCE = 120.0  # s, for an answer: some compile before their first
+CLOSING = 10.0  # s, for a process to end by itself
 
 
 class PeerProcess:
@@ -16,6 +20,8 @@ class PeerProcess:
     ----------
     key : str
         In `PEERS`.
+    patience : float, optional
+        How long an answer may take, s.
 
     Raises
     ------
@@ -23,8 +29,10 @@ class PeerProcess:
         If its environment is not there: `make bench-crowds` makes it.
     """
 
-    def __init__(self, key: str) -> None:
+    def __init__(self, key: str, patience: float = PATIENCE) -> None:
         peer = PEERS[key]
+        self._name = peer.name
+        self._patience = patience
         if not peer.python.exists():
             raise FileNotFoundError(f"{peer.name} is not installed: no {peer.python.relative_to(ROOT)}")
         command = [str(peer.python), "-m", "benchmarks.crowds.peers.process", key]
@@ -40,22 +48,31 @@ class PeerProcess:
         ------
         RuntimeError
             If the process has ended.
+        TimeoutError
+            If it does not answer in time; it is killed.
         """
         streams = self._process.stdin, self._process.stdout
         if streams[0] is None or streams[1] is None:
             raise RuntimeError("the process of a peer has no pipes")
         streams[0].write(json.dumps(message) + "\n")
         streams[0].flush()
+        if not select.select([streams[1]], [], [], self._patience)[0]:
+            self._process.kill()
+            raise TimeoutError(f"{self._name} has not answered for {self._patience:g} s")
         line = streams[1].readline()
         if not line:
             raise RuntimeError(f"the process of a peer has ended with {self._process.wait()}")
         return line
 
     def close(self) -> None:
-        """End it."""
+        """End it; kill it if it goes on."""
         if self._process.stdin is not None:
             self._process.stdin.close()
-        self._process.wait()
+        try:
+            self._process.wait(CLOSING)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
         if self._process.stdout is not None:
             self._process.stdout.close()
 

@@ -9,13 +9,19 @@ from trackers.utils.state_representations import XCYCSRStateEstimator, XYXYState
 
 from benchmarks.crowds.peers.peer import Detection, Named, Step
 
-KINDS = {"sort": SORTTracker, "byte_track": ByteTrackTracker, "oc_sort": OCSORTTracker}
+KINDS = {
+    "sort": SORTTracker,
+    "edges": SORTTracker,
+    "byte_track": ByteTrackTracker,
+    "recipe_byte": ByteTrackTracker,
+    "oc_sort": OCSORTTracker,
+}
 STATES = {"XYXY": XYXYStateEstimator, "XCYCSR": XCYCSRStateEstimator}
 OVERLAPS = {"iou": IoU, "giou": GIoU, "diou": DIoU, "wide_iou": lambda: BIoU(0.5)}
 
 
 def start(key: str, parameters: dict[str, Any]) -> Step:
-    """Follow the boxes around circles; the support of a circle is how sure it is."""
+    """Follow the boxes around circles; the support of a circle, or what its finder says, is how sure it is."""
     given = dict(parameters)
     state, overlap = STATES[given.pop("state")], OVERLAPS[given.pop("overlap")]()
     tracker = KINDS[key](frame_rate=30.0, state_estimator_class=state, iou=overlap, **given)

@@ -8,7 +8,7 @@ the same pixels.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -66,6 +66,8 @@ class DiscDetectorParameters(msgspec.Struct, frozen=True):
         Least log-odds: less finds more balls, and more other things.
     doubted : float
         How far below that a disc may be a ball, and is doubtful.
+    denied : float
+        Evidence of edge points up to which they deny a disc, whatever is known of it beforehand.
     least_px, most_share, factor : float
         Radii that are looked for: the least, px, the largest, as a share of the picture's shorter side, and the factor
         from one to the next.
@@ -99,6 +101,7 @@ class DiscDetectorParameters(msgspec.Struct, frozen=True):
     weights: DetectionWeights = DetectionWeights()
     asked: float = -0.15
     doubted: float = 2.0
+    denied: float = -4.0
     least_px: float = 2.8
     most_share: float = 0.45
     factor: float = 1.4
@@ -194,13 +197,28 @@ class DiscDetector:
         self._network.begin_picture(looks)
         return self._apart(self._network.discs(image, [*map(np.array, starts)], searched=True))
 
-    def judged(self, image: Image, discs: Sequence[Disc]) -> Iterator[tuple[float, Floats]]:
-        """Yield those of some discs that are balls, or may be; see `find`."""
+    def judged(
+        self, image: Image, discs: Sequence[Disc], prior: Callable[[Disc], float] | None = None
+    ) -> Iterator[tuple[float, Floats]]:
+        """Yield those of some discs that are balls, or may be; see `find`.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        discs : sequence of Disc
+        prior : callable, optional
+            Log-odds by what is known beforehand of a disc. They count only where edge points do not deny the disc:
+            what is behind a ball of one color is expected where that ball was, too.
+        """
         found = list[tuple[float, Disc, Floats]]()
         for disc in discs[: self._limits.compared]:
             evidence = self.evidence(image, disc)
             odds = self._log_odds(image, disc, evidence)
-            if odds is not None and odds > self._limits.asked - self._limits.doubted:
+            if odds is None:
+                continue
+            if prior is not None and evidence > self._limits.denied:
+                odds += prior(disc)
+            if odds > self._limits.asked - self._limits.doubted:
                 found.append((odds, disc, self._fitter.block.copy()))
         for odds, disc, block in sorted(found, key=lambda each: -each[0]):
             self._fitter.block[:] = block

@@ -16,8 +16,8 @@ LEAST = 0.2  # format: cosine of the angle of a graze, up to which its uncertain
 class TableParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How balls of one mass move on a table; speeds in half-widths of the ball.
 
-    All chosen by hand; `struck`, `unexplained` and `rival` were compared with others on composed tables of 12 to 16 balls,
-    seeds 604 and 605 (docs/log/tracking.md#on-table).
+    All chosen by hand; `struck`, `unexplained` and `rival` were compared with others on composed tables of 12 to 16
+    balls, seeds 604 and 605 (docs/log/tracking.md#on-table).
 
     Parameters
     ----------

@@ -138,7 +138,7 @@ class DiscSearchParameters(msgspec.Struct, frozen=True, kw_only=True):
     discs: DiscDetectorParameters = DiscDetectorParameters(
         compared=30,
         network=NetworkParameters(moved=1.5),
-        places=ColorPlaceParameters(lightness=30.0, chroma=15.0, least=0.05, cells=20_000),
+        places=ColorPlaceParameters(lightness=30.0, chroma=15.0, least=0.05, cells=40_000),
     )
 
 
@@ -237,10 +237,9 @@ class DiscSearch:
         discs = self._detector.led(image, unclear, looks)
         fresh = [disc for disc in discs if not is_near_one(Gate(*disc.circle), taken, limits.same_distance)]
         self.doubtful = []
-        for log_odds, spread in self._detector.judged(image, fresh):
+        for log_odds, spread in self._detector.judged(image, fresh, lambda disc: self._prior(disc.circle, sought)):
             track = track_of(self._fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
-            is_ball = log_odds + self._prior(track.shape, sought) > limits.discs.asked
-            (found if is_ball else self.doubtful).append(track)
+            (found if log_odds > limits.discs.asked else self.doubtful).append(track)
         self._note_in_vain(unclear[:looks], found, sought.lost)
         self._searched += 1
         self._fitter.forget()
@@ -294,18 +293,19 @@ class DiscSearch:
             if all(math.hypot(place[0] - each.x, place[1] - each.y) > place[2] for each in near):
                 self._in_vain.append((place, self._searched))
 
-    def _prior(self, shape: Circle, sought: Sought) -> float:
+    def _prior(self, circle: Circle3, sought: Sought) -> float:
         """Say what is known beforehand of a disc: others are as large, or it is expected there, in this size."""
         limits = self.parameters
-        is_alike = any(abs(math.log(shape.radius / size)) < limits.alike for size in sought.sizes)
+        x, y, radius = circle
+        is_alike = any(abs(math.log(radius / size)) < limits.alike for size in sought.sizes)
         is_expected = any(
-            math.hypot(shape.x - each.x, shape.y - each.y) < limits.expected_near * each.half_width
-            and abs(math.log(shape.radius / each.half_width)) < limits.alike
+            math.hypot(x - each.x, y - each.y) < limits.expected_near * each.half_width
+            and abs(math.log(radius / each.half_width)) < limits.alike
             for each in sought.lost
         )
         odds = max(limits.alike_odds * is_alike, limits.expected_odds * is_expected)
         if is_alike and len(self._kinds(sought.sizes)) > 1:
-            odds -= limits.discs.weights.size * abs(math.log(shape.radius / self._clicked))
+            odds -= limits.discs.weights.size * abs(math.log(radius / self._clicked))
         return odds
 
     def _outlined(self, frame: Frame, place: Circle3) -> Track[Any] | None:

@@ -10,7 +10,7 @@ from matchset.tracking.many.linking import Linking, LinkingParameters
 from matchset.tracking.many.motion_bank import ManyMotionParameters, Predicted
 from matchset.tracking.many.observer import near_pairs
 from matchset.tracking.many.sightings import MergeParameters, Sighting, are_fields, of_both, sighting_of
-from matchset.tracking.many.tracklet import Followed, Tracklet
+from matchset.tracking.many.tracklet import Followed, Observed, Tracklet
 from matchset.tracking.motion import Gate
 
 STEP = 1.0 / 30.0
@@ -31,10 +31,13 @@ class Scene:
 
     def frame(self, seen: dict[Tracklet, Sighting], fresh: list[Sighting]) -> None:
         predicted = Predicted(self.linking.bank, self.time)
-        lost = self.linking.end([each for each in self.linking.tracklets if each not in seen], self.time)
-        self.linking.doubt(lost, seen, predicted)
-        self.linking.go_on(seen, self.time, calm=False)
-        self.linking.begin(fresh, predicted, self.time)
+        ended = [each for each in self.linking.tracklets if each not in seen]
+        observed = Observed(dict(seen), ended, list(fresh))
+        self.linking.bridge(observed, predicted)
+        lost = self.linking.end(observed.ended, self.time)
+        self.linking.doubt(lost, observed.continued, predicted)
+        self.linking.go_on(observed.continued, self.time, calm=False)
+        self.linking.begin(observed.fresh, predicted, self.time)
         self.linking.decide(self.time)
         self.time += STEP
 
@@ -72,6 +75,27 @@ def test_two_that_are_seen_again_behind_each_other_have_gone_on() -> None:
     assert other.slot == b.hypotheses[other].slot
     assert a.is_certain
     assert b.is_certain
+
+
+def test_new_ones_whose_trackers_lose_them_go_on_with_what_is_found_next_to_them() -> None:
+    scene = Scene()
+    scene.frame({}, [sighting(100.0, 100.0), sighting(300.0, 100.0)])
+    first = list(scene.linking.tracklets)
+    for each in first:
+        each.is_certain = False
+    scene.frame({}, [sighting(270.0, 100.0), sighting(130.0, 100.0)])
+    assert scene.linking.tracklets == first
+    assert [each.sighting.place.x for each in first] == [130.0, 270.0]
+
+
+def test_what_is_found_far_from_one_in_doubt_is_another_one() -> None:
+    scene = Scene()
+    scene.frame({}, [sighting(100.0, 100.0)])
+    (first,) = scene.linking.tracklets
+    first.is_certain = False
+    scene.frame({}, [sighting(400.0, 100.0)])
+    assert first not in scene.linking.tracklets
+    assert len(scene.linking.tracklets) == 1
 
 
 def test_one_that_was_lost_beside_another_may_be_what_is_seen() -> None:

@@ -125,29 +125,40 @@ def hits(balls: Rolling, passed: float, limits: TableParameters) -> dict[int, Hi
     limits : TableParameters
     """
     rolled, slower = (float(each) for each in friction_of(np.array(passed), limits.friction))
-    places, velocities, variances = balls.places.copy(), balls.velocities.copy(), balls.variances.copy()
-    widths, shares, last, now = balls.speed_variances.copy(), np.ones(len(places)), np.zeros(len(places)), 0.0
+    places = balls.places.copy()
+    velocities = balls.velocities.copy()
+    variances = balls.variances.copy()
+    widths = balls.speed_variances.copy()
+    shares = np.ones(len(places))
+    last = np.zeros(len(places))
+    now = 0.0
     touched = set[int]()
     for _ in range(2 * len(places)):
         after, *pair = _first_contact(places, velocities, balls.half_widths)
         if now + after > rolled:
             break
-        now, places = now + after, places + after * velocities
+        now += after
+        places = places + after * velocities
         variances[pair] += widths[pair] * (now - last[pair]) ** 2
         last[pair] = now
         touched.update(pair)
-        normal, relative = places[pair[1]] - places[pair[0]], velocities[pair[0]] - velocities[pair[1]]
+        normal = places[pair[1]] - places[pair[0]]
         normal /= max(math.hypot(*normal), TINY)
-        closing, touching = float(relative @ normal), float(balls.half_widths[pair].sum())
-        straight, sigma = min(closing / math.hypot(*relative), 1.0), math.sqrt(float(variances[pair].sum()))
+        relative = velocities[pair[0]] - velocities[pair[1]]
+        closing = float(relative @ normal)
+        touching = float(balls.half_widths[pair].sum())
+        straight = min(closing / math.hypot(*relative), 1.0)
+        sigma = math.sqrt(float(variances[pair].sum()))
         missed = 1.0 - math.sqrt(1.0 - straight**2)  # how far from a miss, of the distance at which they touch
         shares[pair] *= 0.5 + 0.5 * math.erf(missed * touching / (math.sqrt(2.0) * sigma))
         turn = min(sigma / (touching * max(straight, LEAST)), 1.0)
         velocities[pair] = after_impact(velocities[pair], normal, limits.restitution)
         widths[pair] = widths[pair].mean() + closing**2 * (turn**2 + limits.unexplained**2)
     since = rolled - last
-    places, variances = places + (rolled - now) * velocities, variances + since**2 * widths
-    velocities, widths = slower * velocities, slower**2 * widths
+    places = places + (rolled - now) * velocities
+    variances = variances + since**2 * widths
+    velocities = slower * velocities
+    widths = slower**2 * widths
     return {
         k: Hit(
             (places.item(k, 0), places.item(k, 1)),
@@ -164,13 +175,16 @@ def hits(balls: Rolling, passed: float, limits: TableParameters) -> dict[int, Hi
 def _first_contact(places: Floats, velocities: Floats, half_widths: Floats) -> tuple[float, int, int]:
     """After which time, s, which two balls touch first; those that overlap and approach do at once."""
     one, other = np.triu_indices(len(places), 1)
-    between, relative = places[other] - places[one], velocities[other] - velocities[one]
+    if not len(one):
+        return math.inf, 0, 0
+    between = places[other] - places[one]
+    relative = velocities[other] - velocities[one]
     closing = -(between * relative).sum(axis=1)
     squared = (relative**2).sum(axis=1)
     beyond = (between**2).sum(axis=1) - (half_widths[one] + half_widths[other]) ** 2
     inside = closing**2 - squared * beyond
     after = np.full(len(one), math.inf)
-    meet = (closing > 1e-9) & (inside > 0.0)
+    meet = (closing > TINY) & (inside > 0.0)
     after[meet] = np.maximum((closing[meet] - np.sqrt(inside[meet])) / squared[meet], 0.0)
-    first = int(after.argmin()) if len(after) else 0
-    return (float(after[first]), int(one[first]), int(other[first])) if len(after) else (math.inf, 0, 0)
+    first = int(after.argmin())
+    return float(after[first]), int(one[first]), int(other[first])

@@ -36,7 +36,7 @@ class EqualWeights(msgspec.Struct, frozen=True):
 
     Fitted by logistic regression on 285 discs in half of the labelled stills and in composed crowds of seeds 610 to
     619; of 255 discs in the other half they took 113 of 118 right ones, and no other
-    (docs/log/tracking.md#equal-discs).
+    (docs/log/search.md#equal-discs).
 
     Parameters
     ----------

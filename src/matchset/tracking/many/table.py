@@ -142,18 +142,7 @@ def hits(balls: Rolling, passed: float, limits: TableParameters) -> dict[int, Hi
         variances[pair] += widths[pair] * (now - last[pair]) ** 2
         last[pair] = now
         touched.update(pair)
-        normal = places[pair[1]] - places[pair[0]]
-        normal /= max(math.hypot(*normal), TINY)
-        relative = velocities[pair[0]] - velocities[pair[1]]
-        closing = float(relative @ normal)
-        touching = float(balls.half_widths[pair].sum())
-        straight = min(closing / math.hypot(*relative), 1.0)
-        sigma = math.sqrt(float(variances[pair].sum()))
-        missed = 1.0 - math.sqrt(1.0 - straight**2)  # how far from a miss, of the distance at which they touch
-        shares[pair] *= 0.5 + 0.5 * math.erf(missed * touching / (math.sqrt(2.0) * sigma))
-        turn = min(sigma / (touching * max(straight, LEAST)), 1.0)
-        velocities[pair] = after_impact(velocities[pair], normal, limits.restitution)
-        widths[pair] = widths[pair].mean() + closing**2 * (turn**2 + limits.unexplained**2)
+        shares[pair] *= _collide(pair, balls._replace(places=places, variances=variances), velocities, widths, limits)
     since = rolled - last
     places = places + (rolled - now) * velocities
     variances = variances + since**2 * widths
@@ -170,6 +159,27 @@ def hits(balls: Rolling, passed: float, limits: TableParameters) -> dict[int, Hi
         )
         for k in sorted(touched)
     }
+
+
+def _collide(
+    pair: list[int], balls: Rolling, velocities: Floats, speed_variances: Floats, limits: TableParameters
+) -> float:
+    """Change the velocities of two balls that touch, and how uncertain they are; return how likely they touch at all.
+
+    The line of centers is as uncertain as the places are, and turns the change of velocity with it.
+    """
+    normal = balls.places[pair[1]] - balls.places[pair[0]]
+    normal /= max(math.hypot(*normal), TINY)
+    relative = velocities[pair[0]] - velocities[pair[1]]
+    closing = float(relative @ normal)
+    touching = float(balls.half_widths[pair].sum())
+    straight = min(closing / math.hypot(*relative), 1.0)
+    sigma = math.sqrt(float(balls.variances[pair].sum()))
+    missed = 1.0 - math.sqrt(1.0 - straight**2)  # how far from a miss, of the distance at which they touch
+    turn = min(sigma / (touching * max(straight, LEAST)), 1.0)
+    velocities[pair] = after_impact(velocities[pair], normal, limits.restitution)
+    speed_variances[pair] = speed_variances[pair].mean() + closing**2 * (turn**2 + limits.unexplained**2)
+    return 0.5 + 0.5 * math.erf(missed * touching / (math.sqrt(2.0) * sigma))
 
 
 def _first_contact(places: Floats, velocities: Floats, half_widths: Floats) -> tuple[float, int, int]:

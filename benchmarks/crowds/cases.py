@@ -1,9 +1,10 @@
-"""A crowd that is followed, and what is detected in it, once for all: `Case`, `Watched`, `watched`."""
+"""A crowd that is followed, and what is detected in it, once for all: `Case`, `Watched`, `watched`, `watch`."""
 
 import hashlib
 import math
 import os
 import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -33,6 +34,7 @@ FOLLOWING = (*DETECTING, "localization")
 DECIDING = (".py", ".toml", ".npz")
 
 
+Detection = tuple[float, float, float, float]
 AnyCrowd = Crowd | LabelledClip | Composed | PhysicsCrowd
 
 
@@ -112,7 +114,7 @@ class Watched(msgspec.Struct, frozen=True):
     """
 
     truth: list[list[tuple[int, float, float, float, float]] | None]
-    found: list[list[tuple[float, float, float, float]]]
+    found: list[list[Detection]]
     seconds: list[float]
 
     def judged(self, answers: list[list[Answer]]) -> tuple[list[list[Seen]], list[list[Answer]]]:
@@ -152,14 +154,32 @@ def watched(case: Case) -> Watched:
         return msgspec.json.decode(path.read_bytes(), type=Watched)
     crowd = case.crowd()
     color = color_of(crowd)
+
+    def find(frame: ms.Frame) -> list[Detection]:
+        found = ms.detect(frame, ms.Circle, color, limit=2 * case.balls)
+        return [(*_rounded(each.shape), round(each.support, 4)) for each in found]
+
+    return watch(path, crowd, find)
+
+
+def watch(path: Path, crowd: AnyCrowd, find: Callable[[ms.Frame], list[Detection]]) -> Watched:
+    """Note what is found in each frame of a crowd, and how long that took; in a file, too, which is whole or not there.
+
+    Parameters
+    ----------
+    path : Path
+    crowd : Crowd
+    find : callable
+        Circles in a frame: x, y, radius, px, and their confidence.
+    """
     result = Watched([], [], [])
     for frame, seen in crowd:
         begin = time.perf_counter()
-        found = ms.detect(frame, ms.Circle, color, limit=2 * case.balls)
+        found = find(frame)
         result.seconds.append(time.perf_counter() - begin)
-        result.found.append([(*_rounded(each.shape), round(each.support, 4)) for each in found])
+        result.found.append(found)
         result.truth.append(noted(seen))
-    FOLDER.mkdir(parents=True, exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_suffix(f".{os.getpid()}")
     unfinished.write_bytes(msgspec.json.encode(result))
     unfinished.replace(path)

@@ -46,7 +46,8 @@ def is_ring(
     sample : Sample
     parameters : RingParameters, optional
     """
-    limits, (x, y, radius) = parameters or RingParameters(), sample.circle
+    limits = parameters or RingParameters()
+    x, y, radius = sample.circle
     rows, columns = np.indices(sample.image.shape[:2])
     share = np.hypot(columns - x, rows - y) / radius
     colored = scores(sample.image).reshape(share.shape) > 0

@@ -1,12 +1,14 @@
 """Balls that are fast from the first, or before equal ones, keep their names and their sizes."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.tracking.many.searching.disc_search import DiscSearch
+from matchset.tracking.many.searching.disc_search import DiscSearch, Sought
 
 Image = npt.NDArray[np.uint8]
 BLUE, PLAIN = (210, 90, 30), (90, 110, 120)
@@ -58,7 +60,12 @@ def test_a_ball_that_passes_before_an_equal_one_is_as_large_as_it_is_but_for_a_f
 def test_a_ball_that_has_left_the_picture_is_not_searched_for_in_every_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     searches = list[int]()
     search = DiscSearch.update
-    monkeypatch.setattr(DiscSearch, "update", lambda self, *given: searches.append(1) or search(self, *given))
+
+    def counted(self: DiscSearch, frame: ms.Frame, sought: Sought) -> list[ms.Track[Any]]:
+        searches.append(1)
+        return search(self, frame, sought)
+
+    monkeypatch.setattr(DiscSearch, "update", counted)
     tracker = ms.MultiTracker(ms.Circle, ms.ColorModel.pick(picture((100.0, 120.0)), 100.0, 120.0))
     for k in range(20):
         tracker.update(picture((100.0, 60.0), (400.0 + 8.0 * k, 120.0), seed=k))

@@ -3,8 +3,6 @@
 import hashlib
 import importlib
 import json
-import os
-import time
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,7 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from benchmarks.crowds.cases import FOLDER, Case, Watched, checksum, click_of, composed_checksum, noted
+from benchmarks.crowds.cases import FOLDER, Case, Watched, checksum, click_of, composed_checksum, watch
 from benchmarks.crowds.peers.finders.color_range import Bytes
 from benchmarks.crowds.peers.peer import Find, stored_of
 
@@ -70,18 +68,7 @@ def found_by(name: str, case: Case) -> Watched:
         return msgspec.json.decode(path.read_bytes(), type=Watched)
     frame, circle = click_of(case.crowd())  # from which all followers learn the color
     find = taught(name, np.asarray(frame.image, np.uint8), circle, parameters)
-    result = Watched([], [], [])
-    for frame, seen in case.crowd():
-        begin = time.perf_counter()
-        found = find(frame.image)
-        result.seconds.append(time.perf_counter() - begin)
-        result.found.append(found)
-        result.truth.append(noted(seen))
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_suffix(f".{os.getpid()}")
-    unfinished.write_bytes(msgspec.json.encode(result))
-    unfinished.replace(path)
-    return result
+    return watch(path, case.crowd(), lambda frame: find(frame.image))
 
 
 @cache

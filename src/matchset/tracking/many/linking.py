@@ -156,13 +156,17 @@ class Linking:
                     continue
                 if place.distance(sighting.place) > reach:
                     continue
-                if tracklet.is_certain:
-                    owner = next(iter(tracklet.hypotheses))
-                    tracklet.hypotheses[owner] = Hypothesis(self.bank.copied(owner.slot), 0.0)
-                    tracklet.is_certain = False
-                score = max(hypothesis.score for hypothesis in tracklet.hypotheses.values())
-                tracklet.hypotheses[each] = Hypothesis(self.bank.copied(each.slot), score)
-                tracklet.doubted = 0
+                self._doubt_also(tracklet, each, each.slot)
+
+    def _doubt_also(self, tracklet: Tracklet, target: Followed, slot: int) -> None:
+        """Let a tracklet be of another target, too, by the filters of a slot, and as likely as of the likeliest."""
+        if tracklet.is_certain:
+            owner = next(iter(tracklet.hypotheses))
+            tracklet.hypotheses[owner] = Hypothesis(self.bank.copied(owner.slot), 0.0)
+            tracklet.is_certain = False
+        score = max(hypothesis.score for hypothesis in tracklet.hypotheses.values())
+        tracklet.hypotheses[target] = Hypothesis(self.bank.copied(slot), score)
+        tracklet.doubted = 0
 
     def foresee(self, time: float) -> None:
         """Foresee which targets on a table hit each other until a time, s."""
@@ -184,11 +188,7 @@ class Linking:
                     continue
                 if predicted.likelihood(slot, sighting.place, sighting.variance).log < own + rival:
                     continue
-                if tracklet.is_certain:
-                    tracklet.hypotheses[owner] = Hypothesis(self.bank.copied(owner.slot), 0.0)
-                    tracklet.is_certain = False
-                tracklet.hypotheses[each] = Hypothesis(self.bank.copied(slot), 0.0)
-                tracklet.doubted = 0
+                self._doubt_also(tracklet, each, slot)
 
     def go_on(self, seen: dict[Tracklet, Sighting], time: float, calm: bool) -> None:
         """Correct the filters of all hypotheses of tracklets by their new sightings, and weigh those in doubt.

@@ -282,29 +282,39 @@ class MotionBank:
         """Add what may have hit a target: another one, or something that is not seen."""
         used = len(gone)
         reach, _ = friction_of(gone, table.friction)
-        struck = 0.5 * (self._state[:used, STEADY, 1] ** 2).sum(axis=1) + (table.struck_speed * tables.half_widths) ** 2
-        added = self._state[:used, STEADY, 0][:, None].repeat(2, axis=1), np.zeros((used, 2, 2)), np.ones((used, 2))
+        speed = (self._state[:used, STEADY, 1] ** 2).sum(axis=1)
+        struck = 0.5 * speed + (table.struck_speed * tables.half_widths) ** 2
+        centers = self._state[:used, STEADY, 0][:, None].repeat(2, axis=1)
+        velocities = np.zeros((used, 2, 2))
+        variances = np.ones((used, 2))
+        variances[:, 1] = self._covariance[:used, STEADY, 0, 0] + struck * reach**2
         shares = np.full((used, 2), (TINY, table.struck))
-        added[2][:, 1] = self._covariance[:used, STEADY, 0, 0] + struck * reach**2
         for slot, hit in self._hits.items():
             if slot < used:
-                added[0][slot, 0], added[1][slot, 0], added[2][slot, 0] = hit.place, hit.velocity, hit.variance
+                centers[slot, 0] = hit.place
+                velocities[slot, 0] = hit.velocity
+                variances[slot, 0] = hit.variance
                 shares[slot, 0] = max(hit.share * (1.0 - table.struck), TINY)
         left = np.maximum(1.0 - shares.sum(axis=1, keepdims=True), self.limits.changes)
-        known = np.concatenate((tables.log_weights + np.log(left), np.log(shares)), axis=1)
-        centers, velocities, variances = (np.concatenate(pair, axis=1) for pair in zip(tables[:3], added, strict=True))
-        return Tables(centers, velocities, variances, known, tables.half_widths, tables.size_variances)
+        return tables._replace(
+            centers=np.concatenate((tables.centers, centers), axis=1),
+            velocities=np.concatenate((tables.velocities, velocities), axis=1),
+            variances=np.concatenate((tables.variances, variances), axis=1),
+            log_weights=np.concatenate((tables.log_weights + np.log(left), np.log(shares)), axis=1),
+        )
 
     def _bounced(
         self, at: Indices, seen: Floats, variances: Floats, time: float
     ) -> list[tuple[int, Floats, tuple[float, float, float]]]:
         """Slots that have hit something, by their sightings; with the state and the variances that they have then."""
-        tables, bounced = self.tables(time), []
+        tables = self.tables(time)
+        bounced = list[tuple[int, Floats, tuple[float, float, float]]]()
         total = tables.variances[at] + variances[:, None]
         apart = seen[:, None, :2] - tables.centers[at]
         models = (tables.log_weights[at] - 0.5 * (apart**2).sum(axis=2) / total - np.log(total)).argmax(axis=1)
         for k in np.flatnonzero(models >= HIT).tolist():
-            slot, offset = int(at[k]), apart[k, models[k]]
+            slot = int(at[k])
+            offset = apart[k, models[k]]
             hit = self._hits.get(slot) if models[k] == HIT else None
             if hit is not None:
                 gain = hit.since * hit.speed_variance / total[k, HIT]
@@ -345,7 +355,8 @@ class MotionBank:
         self._state[at] = states + gains[:, :, :, None] * innovations[:, :, None, :]
         self._covariance[at] = covariances - gains[:, :, :, None] * covariances[:, :, 0][:, :, None, :]
         for slot, state, variance in bounced:
-            self._state[slot], self._covariance[slot] = state, np.diag(variance)
+            self._state[slot] = state
+            self._covariance[slot] = np.diag(variance)
         crowded = np.array([each.crowded for each in sightings])
         gain = np.where(crowded, self.limits.crowded_size_gain, self.limits.size_gain)
         self._size[at] += gain * (np.log(seen[:, 2]) - self._size[at])
@@ -362,7 +373,8 @@ class MotionBank:
         transition[:, BALLISTIC, 0, 2], transition[:, BALLISTIC, 1, 2] = half, ahead
         if limits.table is not None:
             rolled, slower = friction_of(ahead, limits.table.friction)
-            transition[:, STEADY, 0, 1], transition[:, STEADY, 1, 1] = rolled, slower
+            transition[:, STEADY, 0, 1] = rolled
+            transition[:, STEADY, 1, 1] = slower
         noise[:, STEADY, 0], noise[:, STEADY, 1] = limits.acceleration * size * half, limits.acceleration * size * ahead
         jerk = limits.jerk * size
         noise[:, BALLISTIC, 0], noise[:, BALLISTIC, 1], noise[:, BALLISTIC, 2] = jerk * sixth, jerk * half, jerk * ahead

@@ -11,7 +11,15 @@ from matchset.tracking.many.field_timing import FieldTiming
 from matchset.tracking.many.motion_bank import Predicted
 from matchset.tracking.many.parameters import MultiTrackerParameters
 from matchset.tracking.many.searching.searches import Searches
-from matchset.tracking.many.sightings import Sighting, are_fields, is_inside, of_both, place_of, sighting_of
+from matchset.tracking.many.sightings import (
+    Sighting,
+    are_fields,
+    is_inside,
+    is_near_one,
+    of_both,
+    place_of,
+    sighting_of,
+)
 from matchset.tracking.many.tracklet import Followed, Observed, Tracklet, start
 from matchset.tracking.motion import Gate
 from matchset.tracking.track import Track
@@ -267,10 +275,7 @@ class Observer:
             tracker.step.fields = self._fields.moments
             start(tracker, each.last, (place, velocity), since)
             each.probed = frame.time
-            tracker.step.crowded = any(
-                place.distance(other.place) < self._limits.crowded * max(place.half_width, other.place.half_width)
-                for other in known
-            )
+            tracker.step.crowded = is_near_one(place, (other.place for other in known), self._limits.crowded)
             answer = tracker.update(frame)
             if isinstance(answer, Track):
                 sighting = sighting_of(answer, self._limits.motion.center_sigmas, each.label)
